@@ -1,4 +1,5 @@
-# The Debian packages by CPack: libfacetloc0.3, libfacetloc-dev, facetloc-tools, facetloc-tools-gui, python3-facetloc.
+# The Debian packages by CPack: libfacetloc0.3, libfacetloc-vtk, libfacetloc-dev, facetloc-tools, facetloc-tools-mpi,
+# facetloc-tools-gui, python3-facetloc.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The facetloc developers <facetloc@example.org>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
@@ -14,7 +15,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/features ${PROJECT_BINARY_DIR}/segmentation
     ${PROJECT_BINARY_DIR}/registration ${PROJECT_BINARY_DIR}/registration/localization ${PROJECT_BINARY_DIR}/registration/mapping
-    ${PROJECT_BINARY_DIR}/io ${PROJECT_BINARY_DIR}/io/simulation)
+    ${PROJECT_BINARY_DIR}/io ${PROJECT_BINARY_DIR}/io/simulation ${PROJECT_BINARY_DIR}/io/openni ${FACETLOC_LOADED_DIR})
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian/finish.cmake)
 set(CPACK_COMPONENTS_ALL "")
 
@@ -48,19 +49,29 @@ set(soname ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 facetloc_package(library libfacetloc${soname} libs "global localization of a depth camera by planes"
   "${what}This package has the shared libraries, and the driver of OpenNI2 that
 plays recordings as a camera.")
+facetloc_package(vtk libfacetloc-vtk libs "global localization of a depth camera by planes - with VTK"
+  "${what}This package has the parts that need VTK: cameras by PCL and OpenNI2,
+and models in the formats STL and VTP."
+  DEPENDS library)
 facetloc_package(dev libfacetloc-dev libdevel "global localization of a depth camera by planes - development"
   "${what}This package has headers, CMake and pkg-config files, documents and
 examples."
-  DEPENDS library NEEDS "libpcl-dev, libopenni2-dev, libeigen3-dev")
+  DEPENDS library vtk NEEDS "libpcl-dev, libopenni2-dev, libeigen3-dev")
 if(FACETLOC_BUILD_APPS)
   facetloc_package(tools facetloc-tools science "global localization of a depth camera by planes - tools"
     "${what}This package has the tools that make maps of recordings and localize
 images in them."
-    DEPENDS library RECOMMENDS "xvfb, xauth")
+    DEPENDS library)
+  if(FACETLOC_WITH_MPI)
+    facetloc_package(tools-mpi facetloc-tools-mpi science "global localization of a depth camera by planes - MPI"
+      "${what}This package lets mpirun deal out the work of the tools to processes
+and machines."
+      DEPENDS library tools NEEDS "openmpi-bin")
+  endif()
   facetloc_package(tools-gui facetloc-tools-gui science "global localization of a depth camera by planes - live"
     "${what}This package has the tools with windows, charts and pictures: the live
 one, evaluation and rendering."
-    DEPENDS library tools RECOMMENDS "xvfb, xauth")
+    DEPENDS library vtk tools RECOMMENDS "xvfb, xauth")
 endif()
 if(FACETLOC_BUILD_APPS AND FACETLOC_BUILD_PYTHON)
   facetloc_package(python python3-facetloc python "global localization of a depth camera by planes - Python 3"
@@ -74,5 +85,7 @@ foreach(lib features segmentation registration localization mapping io simulatio
 endforeach()
 file(CONFIGURE OUTPUT debian/shlibs CONTENT "${shlibs}")
 file(CONFIGURE OUTPUT debian/triggers CONTENT "activate-noawait ldconfig\n")
+file(CONFIGURE OUTPUT debian/vtk/shlibs CONTENT "libfacetloc_openni ${soname} libfacetloc-vtk (>= ${PROJECT_VERSION})\nlibfacetloc_vtk ${soname} libfacetloc-vtk (>= ${PROJECT_VERSION})\n")
+set(CPACK_DEBIAN_VTK_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/vtk/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
 include(CPack)

@@ -18,13 +18,16 @@ function(facetloc_precompile target)
 endfunction()
 
 # facetloc_add_module(<name> SOURCES ... HEADERS ... [DEPENDS <facetloc modules>] [LINK <targets>] [PRIVATE_LINK <targets>]
-#                     [PRECOMPILED_AS <facetloc module of the same flags>])
+#                     [PRECOMPILED_AS <facetloc module of the same flags>] [COMPONENT <of packages, library if not given>])
 # One library per top-level folder: target facetloc_<name>, alias facetloc::<name>, public headers under
 # <name>/include/facetloc/<name>/. Header installation, include directories and the check that each header compiles on
 # its own (target all_verify_interface_header_sets) follow from the one HEADERS list.
 function(facetloc_add_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "PRECOMPILED_AS" "SOURCES;HEADERS;DEPENDS;LINK;PRIVATE_LINK")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "PRECOMPILED_AS;COMPONENT" "SOURCES;HEADERS;DEPENDS;LINK;PRIVATE_LINK")
   set(lib facetloc_${name})
+  if(NOT arg_COMPONENT)
+    set(arg_COMPONENT library)
+  endif()
   add_library(${lib} ${arg_SOURCES})
   add_library(facetloc::${name} ALIAS ${lib})
   if(CMAKE_VERSION VERSION_GREATER_EQUAL 3.23)
@@ -42,6 +45,8 @@ function(facetloc_add_module name)
   target_include_directories(${lib} PRIVATE src ${PROJECT_SOURCE_DIR}/features/src)
   target_include_directories(${lib} SYSTEM PUBLIC ${PCL_INCLUDE_DIRS})
   target_compile_features(${lib} PUBLIC cxx_std_17)
+  # PCL's targets name all of VTK, Qt and MPI.
+  target_link_options(${lib} PRIVATE LINKER:--as-needed)
   # No fused multiply-add behind our back: the same input gives the same bytes on every machine.
   target_compile_options(${lib} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang>:-ffp-contract=off>)
   # Every translation unit that sees PCL clouds has to agree with Debian's SSE2 build, also under -mavx2 and sanitizers.
@@ -49,14 +54,32 @@ function(facetloc_add_module name)
   # RUNPATH is not transitive: libfacetloc_registration.so must find libfacetloc_features.so beside itself.
   set_target_properties(${lib} PROPERTIES
     EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-    POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL "" VERIFY_INTERFACE_HEADER_SETS ON CXX_EXTENSIONS OFF INSTALL_RPATH "$ORIGIN")
+    POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL "" VERIFY_INTERFACE_HEADER_SETS ON CXX_EXTENSIONS OFF INSTALL_RPATH "$ORIGIN"
+    BUILD_RPATH ${FACETLOC_LOADED_DIR})
   list(TRANSFORM arg_PRECOMPILED_AS PREPEND "REUSE;facetloc_")
   facetloc_precompile(${lib} ${arg_PRECOMPILED_AS})
   install(TARGETS ${lib} EXPORT facetloc-targets
-          LIBRARY COMPONENT library NAMELINK_COMPONENT dev
+          LIBRARY COMPONENT ${arg_COMPONENT} NAMELINK_COMPONENT dev
           ARCHIVE COMPONENT dev
           ${install_headers})
 endfunction()
+
+# facetloc_add_loaded(<name> COMPONENT <of packages> SOURCES ... LINK ...)
+# A shared library that another one or a tool loads when it is needed (features/src/shared/module.h), by the name in
+# FACETLOC_LOADED_<name>: a part with dependencies that not everybody wants to install.
+function(facetloc_add_loaded name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "COMPONENT" "SOURCES;LINK")
+  set(lib facetloc_${name})
+  add_library(${lib} SHARED ${arg_SOURCES})
+  target_link_libraries(${lib} PRIVATE ${arg_LINK} facetloc_warnings)
+  target_link_options(${lib} PRIVATE LINKER:--as-needed)
+  set(version ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  set_target_properties(${lib} PROPERTIES
+    VERSION ${PROJECT_VERSION} SOVERSION ${version} CXX_EXTENSIONS OFF LIBRARY_OUTPUT_DIRECTORY ${FACETLOC_LOADED_DIR} INSTALL_RPATH "$ORIGIN")
+  install(TARGETS ${lib} LIBRARY COMPONENT ${arg_COMPONENT} NAMELINK_SKIP)
+  set(FACETLOC_LOADED_${name} lib${lib}.so.${version} PARENT_SCOPE)
+endfunction()
+set(FACETLOC_LOADED_DIR ${PROJECT_BINARY_DIR}/loaded)
 
 add_library(facetloc_warnings INTERFACE)
 target_compile_options(facetloc_warnings INTERFACE

@@ -13,8 +13,9 @@ declare -A modules=(
   [mapping]="features segmentation registration localization mapping"
   [simulation]="features simulation"
   [io]="features io"
+  [openni]="features io openni"
   [openni_driver]="features io simulation"
-  [apps]="features segmentation registration localization mapping io simulation apps"
+  [apps]="features segmentation registration localization mapping io openni simulation apps"
 )
 # room: the rooms that it may include, of its own module and of those below
 declare -A rooms=(
@@ -33,6 +34,7 @@ declare -A rooms=(
   [mapping/sessions]="sessions calibration graph trajectory motion nearby depth"
   [io/recordings]="recordings"
   [io/frames]="frames"
+  [io/vtk]="vtk"
   [apps/base]="base"
   [apps/drawing]="drawing base"
   [apps/evaluation]="evaluation drawing base"
@@ -43,6 +45,7 @@ declare -A rooms=(
 moduleOf() {
   case $1 in
     io/simulation/*) echo simulation ;;
+    io/openni/*) echo openni ;;
     io/openni_driver/*) echo openni_driver ;;
     registration/localization/*) echo localization ;;
     registration/mapping/*) echo mapping ;;

@@ -6,8 +6,8 @@
 //
 // DEVICE is "" (the first camera), an .oni recording, a folder of depth images or a .scene file; N images are
 // watched.
-#include <facetloc/io/openni_grabber.h>
 #include <facetloc/io/png.h>
+#include <facetloc/openni/openni_grabber.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 
 #include <chrono>

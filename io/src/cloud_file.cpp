@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcd_points.h"
+#include "ply_file.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
 
 #include <pcl/conversions.h>
-#include <pcl/io/ply_io.h>
 #include <pcl/point_types.h>
 
 #include <cstddef>
@@ -45,12 +45,6 @@ pcl::PointCloud<PointT> pointsOf(const DepthImage& image, const Eigen::Isometry3
         p.x = p.y = p.z = kNotMeasured;
     }
   return cloud;
-}
-
-/** PCL refuses to write one. */
-void writeEmptyMesh(std::ostream& out) {
-  out << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
-         "element face 0\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
 }  // namespace
@@ -143,11 +137,7 @@ void writePolygons(const std::filesystem::path& path, const std::vector<Coloured
 }
 
 void writeMesh(const std::filesystem::path& path, const pcl::PolygonMesh& mesh) {
-  if (mesh.cloud.data.empty()) return writeTextAtomically(path, writeEmptyMesh);
-  writeAtomically(path, [&](const std::filesystem::path& temporary) {
-    if (pcl::io::savePLYFileBinary(temporary.string(), mesh) != 0)
-      throw IoError(path.string(), "cannot be written as PLY");
-  });
+  writeTextAtomically(path, [&mesh](std::ostream& out) { writePly(out, mesh); });
 }
 
 }  // namespace facetloc

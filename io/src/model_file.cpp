@@ -2,21 +2,15 @@
 #include "files.h"
 #include "obj_file.h"
 #include "pcd_points.h"
-#include "ply_header.h"
+#include "ply_file.h"
 #include "shared/text.h"
+#include "vtk/vtk_models.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/model_file.h>
 
 #include <pcl/conversions.h>
-#include <pcl/io/ply_io.h>
-#include <pcl/io/vtk_lib_io.h>
 #include <pcl/point_types.h>
-#include <vtkCallbackCommand.h>
-#include <vtkPolyData.h>
-#include <vtkSTLReader.h>
-#include <vtkSmartPointer.h>
-#include <vtkXMLPolyDataReader.h>
 
 #include <algorithm>
 #include <cmath>
@@ -80,14 +74,6 @@ pcl::PCLPointCloud2 pointsOf(const pcl::PCLPointCloud2& cloud, double factor, co
   return out;
 }
 
-pcl::PolygonMesh readPly(const fs::path& path) {
-  requireSoundPly(path);
-  pcl::PolygonMesh mesh;
-  if (pcl::PLYReader().read(path.string(), mesh) < 0)
-    throw IoError(path.string(), "cannot be read as a PLY file: its data are not as its header says");
-  return mesh;
-}
-
 /** VTK makes room for as many triangles as a binary file claims to have. */
 void requireSoundStl(const fs::path& path) {
   constexpr std::size_t kHeader = 84, kTriangle = 50, kLooked = 1 << 16;  // bytes
@@ -119,29 +105,6 @@ void requireSoundVtp(const fs::path& path) {
   }
 }
 
-/** By a reader of VTK, whose complaint, if it has one, is the cause of an IoError. */
-template <class Reader>
-pcl::PolygonMesh readByVtk(const fs::path& path) {
-  std::string complaint;
-  const auto observer = vtkSmartPointer<vtkCallbackCommand>::New();
-  observer->SetClientData(&complaint);
-  observer->SetCallback([](vtkObject*, unsigned long, void* client, void* text) {
-    if (text) *static_cast<std::string*>(client) = static_cast<const char*>(text);
-  });
-  const auto reader = vtkSmartPointer<Reader>::New();
-  reader->AddObserver(vtkCommand::ErrorEvent, observer);
-  reader->SetFileName(path.c_str());
-  reader->Update();
-  if (!complaint.empty()) {
-    std::replace(complaint.begin(), complaint.end(), '\n', ' ');
-    throw IoError(path.string(), "cannot be read: " + complaint);
-  }
-  pcl::PolygonMesh mesh;
-  if (vtkPolyData* data = reader->GetOutput(); data && data->GetNumberOfPoints() > 0)
-    pcl::io::vtk2mesh(data, mesh);
-  return mesh;
-}
-
 pcl::PolygonMesh readAny(const fs::path& path) {
   std::string kind = path.extension().string();
   std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -151,11 +114,11 @@ pcl::PolygonMesh readAny(const fs::path& path) {
   if (kind == ".obj") return readObj(path);
   if (kind == ".stl") {
     requireSoundStl(path);
-    return readByVtk<vtkSTLReader>(path);
+    return readByVtk(path);
   }
   if (kind == ".vtp") {
     requireSoundVtp(path);
-    return readByVtk<vtkXMLPolyDataReader>(path);
+    return readByVtk(path);
   }
   if (kind != ".pcd")
     throw IoError(path.string(), "is no model that can be read: .ply, .obj, .stl, .vtp and .pcd can");

@@ -6,23 +6,22 @@
 
 #include <facetloc/io/error.h>
 
+#include <pcl/PCLPointField.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace facetloc {
 
-/** \brief The header of a PCD file, read strictly and compared with the size of the file.
- *
- * PCL believes a header: it allocates as many points as POINTS promises and unpacks as far as SIZE and COUNT
- * say. A file that passes here is safe to be given to PCL. */
+/** \brief The header of a PCD file, read strictly and compared with the size of the file: it promises no more
+ * than the file has. */
 class PcdHeader {
 public:
   /** \brief Throws IoError for anything that is not a sound PCD file of the promised length, or has no point,
@@ -39,20 +38,29 @@ public:
     parse(start);
     requireSound();
     in.clear();
-    requireNoMoreHeader(in);
     in.seekg(0, std::ios::end);
     requireLength(in, static_cast<std::uint64_t>(in.tellg()));
   }
 
   int width() const { return static_cast<int>(width_); }
   int height() const { return static_cast<int>(height_); }
+  std::size_t points() const { return points_; }
+  /** \brief In their order, packed. */
+  const std::vector<pcl::PCLPointField>& fields() const { return fields_; }
+  /** \brief Bytes of a point. */
+  std::size_t step() const { return step_; }
+  /** \brief x y z qw qx qy qz of the sensor; no numbers if the header says nothing. */
+  const std::vector<double>& viewpoint() const { return viewpoint_; }
+  /** \brief "ascii", "binary" or "binary_compressed". */
+  const std::string& encoding() const { return encoding_; }
+  /** \brief Where the points begin in the file. */
+  std::uint64_t dataOffset() const { return data_offset_; }
 
 private:
   static constexpr std::size_t kMaxHeaderBytes = 65536;
-  static constexpr std::size_t kLongestKey = 9;
   static constexpr std::uint64_t kMaxSide = 65535;
   static constexpr std::uint64_t kMaxCount = 65535;
-  static constexpr std::uint64_t kMaxDataBytes = 1ull << 31;  // PCL counts in 32 bits
+  static constexpr std::uint64_t kMaxDataBytes = 1ull << 31;  // pcl::PCLPointCloud2 counts in 32 bits
   static constexpr std::uint64_t kLzfMaxRatio = 88;           // LZF unpacks 3 bytes to 264 at most
 
   using Words = std::vector<std::string_view>;
@@ -62,8 +70,7 @@ private:
 
   [[noreturn]] void fail(const std::string& cause) const { throw IoError(path_, cause); }
 
-  /** PCL looks at a header line by line and lets later lines change earlier ones; hence each once and in
-   * their order. */
+  /** Each line once, and in the order of the format. */
   void parse(std::string_view start) {
     const auto* next = std::begin(kOrder);
     while (!start.empty()) {
@@ -71,7 +78,6 @@ private:
       const Words words = text::words(start.substr(0, length));
       start.remove_prefix(length);
       data_offset_ += length;
-      if (words.empty() && length > 1) fail("has a corrupt header: a line of blanks, at which PCL ends it");
       if (words.empty() || words[0].front() == '#') continue;
       const auto* key = std::find(next, std::end(kOrder), words[0]);
       if (key == std::end(kOrder)) fail("is not a PCD file, or its header is corrupt");
@@ -82,25 +88,14 @@ private:
     fail("is not a PCD file, or is truncated: its header has no DATA line");
   }
 
-  /** PCL goes on to read a header behind DATA, as long as the next line looks like one. */
-  void requireNoMoreHeader(std::istream& in) const {
-    in.seekg(static_cast<std::streamoff>(data_offset_));
-    while (in >> std::ws && in.peek() == '#') in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-    std::string word(kLongestKey, '\0');
-    in.read(word.data(), static_cast<std::streamsize>(word.size()));
-    in.clear();
-    const auto beginsWith = [&word](std::string_view key) { return word.rfind(key, 0) == 0; };
-    if (beginsWith("COLUMNS") || std::any_of(std::begin(kOrder), std::end(kOrder), beginsWith))
-      fail("is corrupt: its points look like a second header");
-  }
-
   void store(const Words& words) {
-    if (words[0] == "FIELDS") fields_ = words.size() - 1;
+    if (words[0] == "FIELDS") names_.assign(words.begin() + 1, words.end());
     if (words[0] == "SIZE") sizes_ = numbers(words);
-    if (words[0] == "TYPE") types_ = words.size() - 1;
+    if (words[0] == "TYPE") types_.assign(words.begin() + 1, words.end());
     if (words[0] == "COUNT") counts_ = numbers(words);
     if (words[0] == "WIDTH") width_ = number(words);
     if (words[0] == "HEIGHT") height_ = number(words);
+    if (words[0] == "VIEWPOINT") viewpoint_ = pose(words);
     if (words[0] == "POINTS") points_ = number(words);
     if (words[0] == "DATA") encoding_ = words.size() == 2 ? words[1] : "";
   }
@@ -115,6 +110,15 @@ private:
     return found;
   }
 
+  /** No numbers unless there are seven. */
+  static std::vector<double> pose(const Words& words) {
+    std::vector<double> found;
+    for (std::size_t i = 1; i < words.size(); ++i)
+      if (const auto value = text::to<double>(words[i])) found.push_back(*value);
+    if (found.size() != 7 || words.size() != 8) found.clear();
+    return found;
+  }
+
   std::uint64_t number(const Words& words) const {
     const auto found = numbers(words);
     if (found.size() != 1) fail(fmt::format("has a corrupt header: {} is not one number", words[0]));
@@ -122,30 +126,47 @@ private:
   }
 
   void requireSound() {
-    if (counts_.empty()) counts_.assign(fields_, 1);
-    const auto isSize = [](std::uint64_t s) { return s == 1 || s == 2 || s == 4 || s == 8; };
-    const auto isCount = [](std::uint64_t c) { return c >= 1 && c <= kMaxCount; };
-    const bool fields_ok = fields_ > 0 && sizes_.size() == fields_ && types_ == fields_ &&
-                           counts_.size() == fields_ && std::all_of(sizes_.begin(), sizes_.end(), isSize) &&
-                           std::all_of(counts_.begin(), counts_.end(), isCount);
-    if (!fields_ok) fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
+    if (counts_.empty()) counts_.assign(names_.size(), 1);
+    if (names_.empty() || sizes_.size() != names_.size() || types_.size() != names_.size() ||
+        counts_.size() != names_.size())
+      fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
+    for (std::size_t i = 0; i < names_.size(); ++i) addField(i);
     const bool of_one_row = height_ == 1;  // a cloud that is not organized may have any number of points
     const bool sides_ok = width_ >= least_width_ && width_ <= (of_one_row ? kMaxDataBytes : kMaxSide) &&
                           height_ >= 1 && height_ <= kMaxSide;
     if (!sides_ok || points_ != width_ * height_)
       fail("has a corrupt header: WIDTH, HEIGHT and POINTS do not fit together");
-    if (points_ > kMaxDataBytes / step()) fail("has a corrupt header: it promises too many points");
+    if (points_ > kMaxDataBytes / step_) fail("has a corrupt header: it promises too many points");
   }
 
-  std::uint64_t step() const {
-    std::uint64_t bytes = 0;
-    for (std::size_t i = 0; i < fields_; ++i) bytes += sizes_[i] * counts_[i];
-    return bytes;
+  void addField(std::size_t i) {
+    using Field = pcl::PCLPointField;
+    struct Type {
+      std::string_view name;
+      std::uint64_t size;
+      std::uint8_t type;
+    };
+    static constexpr Type kTypes[] = {
+        {"I", 1, Field::INT8},    {"I", 2, Field::INT16},  {"I", 4, Field::INT32},  {"I", 8, Field::INT64},
+        {"U", 1, Field::UINT8},   {"U", 2, Field::UINT16}, {"U", 4, Field::UINT32}, {"U", 8, Field::UINT64},
+        {"F", 4, Field::FLOAT32}, {"F", 8, Field::FLOAT64}};
+    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& t) {
+      return t.name == types_[i] && t.size == sizes_[i];
+    });
+    if (type == std::end(kTypes) || counts_[i] < 1 || counts_[i] > kMaxCount)
+      fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
+    Field field;
+    field.name = names_[i];
+    field.datatype = type->type;
+    field.count = static_cast<std::uint32_t>(counts_[i]);
+    field.offset = static_cast<std::uint32_t>(step_);
+    fields_.push_back(field);
+    step_ += sizes_[i] * counts_[i];
   }
 
   void requireLength(std::istream& in, std::uint64_t file_size) const {
     const std::uint64_t body = file_size - std::min<std::uint64_t>(file_size, data_offset_);
-    const std::uint64_t promised = points_ * step();
+    const std::uint64_t promised = points_ * step_;
     const auto requireBytes = [&](std::uint64_t needed) {
       if (body < needed) fail(fmt::format("is truncated: {} bytes of points instead of {}", body, needed));
     };
@@ -170,8 +191,11 @@ private:
 
   std::string path_;
   std::uint64_t least_width_;
-  std::size_t fields_ = 0, types_ = 0;
+  std::vector<std::string> names_, types_;
   std::vector<std::uint64_t> sizes_, counts_;
+  std::vector<pcl::PCLPointField> fields_;
+  std::size_t step_ = 0;
+  std::vector<double> viewpoint_;
   std::uint64_t width_ = 0, height_ = 0, points_ = 0;
   std::uint64_t data_offset_ = 0;
   std::string encoding_;

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
+#include "lzf.h"
+#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/pclzf.h>
 
-#include <pcl/io/lzf.h>
-#include <pcl/io/lzf_image_io.h>
+#include <boost/property_tree/ptree.hpp>
+#include <boost/property_tree/xml_parser.hpp>
 
 #include <array>
-#include <cstring>
 #include <fmt/format.h>
 #include <fstream>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,9 +62,23 @@ std::ifstream opened(const fs::path& path) {
   return in;
 }
 
-struct CameraReader : pcl::io::LZFDepth16ImageReader {
-  double factor() const { return z_multiplication_factor_; }  // metres per value
-};
+/** Nothing if there is no such number. */
+std::optional<double> numberOf(const boost::property_tree::ptree& depth, const char* key) {
+  const auto words = depth.get_optional<std::string>(key);
+  return words ? text::to<double>(text::trimmed(*words)) : std::nullopt;
+}
+
+/** The part of a camera's file that is about depth. */
+boost::property_tree::ptree readDepthCamera(const fs::path& path) {
+  boost::property_tree::ptree camera;
+  std::istringstream in(files::readText(path));
+  try {
+    boost::property_tree::read_xml(in, camera);
+    return camera.get_child("depth");
+  } catch (const boost::property_tree::ptree_error&) {
+    throw IoError(path.string(), "no camera parameters can be read");
+  }
+}
 
 }  // namespace
 
@@ -77,33 +94,27 @@ Raster<std::uint16_t> readPclzf(const fs::path& path) {
   if (size - kHeader < header.packed)
     throw IoError(path.string(),
                   fmt::format("is truncated: {} packed bytes instead of {}", size - kHeader, header.packed));
-  std::vector<char> packed(header.packed), bytes(header.unpacked);
+  std::string packed(header.packed, '\0');
+  std::vector<std::uint8_t> bytes(header.unpacked);
   in.read(packed.data(), static_cast<std::streamsize>(packed.size()));
-  if (!in ||
-      pcl::lzfDecompress(packed.data(), header.packed, bytes.data(), header.unpacked) != header.unpacked)
-    throw IoError(path.string(), "is corrupt: it cannot be unpacked");
+  if (!in || !lzfUnpack(packed, bytes)) throw IoError(path.string(), "is corrupt: it cannot be unpacked");
   Raster<std::uint16_t> image{static_cast<int>(header.width), static_cast<int>(header.height), 1, {}};
   image.data.resize(std::size_t(header.width) * header.height);
   for (std::size_t i = 0; i < image.data.size(); ++i)
-    image.data[i] = static_cast<std::uint16_t>(static_cast<std::uint8_t>(bytes[2 * i]) |
-                                               static_cast<std::uint8_t>(bytes[2 * i + 1]) << 8);
+    image.data[i] = static_cast<std::uint16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8);
   return image;
 }
 
 PclzfCamera readPclzfCamera(const fs::path& path, int width, int height) {
   files::requireRegularFile(path);
-  CameraReader reader;
-  bool read = false;
-  try {
-    read = reader.readParameters(path.string());
-  } catch (const std::exception&) {  // thrown by the parser
-  }
-  if (!read) throw IoError(path.string(), "no camera parameters can be read");
-  const pcl::io::CameraParameters p = reader.getParameters();
+  const boost::property_tree::ptree depth = readDepthCamera(path);
+  const auto fx = numberOf(depth, "focal_length_x"), fy = numberOf(depth, "focal_length_y"),
+             cx = numberOf(depth, "principal_point_x"), cy = numberOf(depth, "principal_point_y"),
+             factor = numberOf(depth, "z_multiplication_factor");  // metres per value
+  if (!fx || !fy || !cx || !cy || !factor) throw IoError(path.string(), "no camera parameters can be read");
   PclzfCamera camera;
-  camera.intrinsics = {
-      width, height, p.focal_length_x, p.focal_length_y, p.principal_point_x, p.principal_point_y};
-  if (const double factor = reader.factor(); factor > 0 && factor <= 1) camera.depth_scale = 1 / factor;
+  camera.intrinsics = {width, height, *fx, *fy, *cx, *cy};
+  if (*factor > 0 && *factor <= 1) camera.depth_scale = 1 / *factor;
   if (!camera.intrinsics.valid()) throw IoError(path.string(), "its camera is impossible");
   return camera;
 }

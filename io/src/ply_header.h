@@ -1,12 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace facetloc {
 
-/** \brief Throws IoError unless the file begins with the header of a PLY file and is large enough for all
- * that its header promises: PCL allocates that before it reads. */
-void requireSoundPly(const std::filesystem::path& path);
+/** \brief How a PLY file writes a number. */
+enum class PlyNumber : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+std::size_t sizeOf(PlyNumber type);
+
+/** \brief A number of each element, or a list of numbers. */
+struct PlyProperty {
+  std::string name;
+  PlyNumber type;
+  bool is_list = false;
+  PlyNumber length = PlyNumber::uint8;  ///< of a list
+};
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+/** \brief The header of a PLY file, and that what follows can be all that it promises. */
+struct PlyHeader {
+  enum class Encoding { text, little_endian, big_endian };
+  /** \brief Throws IoError with that path. \param bytes of the whole file */
+  PlyHeader(std::string_view bytes, const std::string& path);
+
+  Encoding encoding = Encoding::text;
+  std::vector<PlyElement> elements;
+  std::size_t end = 0;  ///< first byte behind the header
+};
 
 }  // namespace facetloc

@@ -3,33 +3,20 @@
 #include "recordings/image_list.h"
 
 #include <facetloc/features/segment_frame.h>
-#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/segment_file.h>
 
 #include <pcl/conversions.h>
-#include <pcl/io/pcd_io.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <fmt/format.h>
-#include <ostream>
 
 namespace facetloc {
 namespace {
-
-/** PCL writes such a file as well, but complains about it on the console. */
-void writeEmptyCloud(std::ostream& out) {
-  pcl::PointCloud<SegmentFrame> none;
-  none.height = 1;
-  constexpr std::array<char, 8> kNoData = {};  // compressed and uncompressed size
-  out << pcl::PCDWriter::generateHeader(none, 0) << "DATA binary_compressed\n";
-  out.write(kNoData.data(), kNoData.size());
-}
 
 /** \brief A field of SegmentFrame. */
 struct Field {
@@ -94,11 +81,8 @@ std::vector<Segment> readSegments(const std::filesystem::path& path) {
 }
 
 void writeSegments(const std::filesystem::path& path, const std::vector<Segment>& segments) {
-  const pcl::PointCloud<SegmentFrame> cloud = toCloud(segments);
-  if (cloud.empty()) {
-    writeTextAtomically(path, writeEmptyCloud);
-    return;
-  }
+  pcl::PointCloud<SegmentFrame> cloud = toCloud(segments);
+  cloud.height = 1;
   pcl::PCLPointCloud2 fields;
   pcl::toPCLPointCloud2(cloud, fields);
   writePcd(path, fields);

@@ -2,7 +2,7 @@
 //
 // An outside project: the PCL classes through their base pointers, with a built-in and a custom point type,
 // and the grabber with the virtual camera of the package.
-#include <facetloc/io/openni_grabber.h>
+#include <facetloc/openni/openni_grabber.h>
 #include <facetloc/registration/ekf_registration.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>

@@ -3,7 +3,7 @@
 
 #include "watchdog.h"
 
-#include <facetloc/io/openni_grabber.h>
+#include <facetloc/openni/openni_grabber.h>
 
 #include <pcl/point_types.h>
 

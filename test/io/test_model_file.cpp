@@ -8,8 +8,11 @@
 #include <gtest/gtest.h>
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
 #include <pcl/point_types.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -149,6 +152,81 @@ TEST_F(ModelFile, ReadsClouds) {
   EXPECT_TRUE(ply.polygons.empty());
   ASSERT_EQ(2u, pointsOf(ply).size());
   EXPECT_FLOAT_EQ(3, pointsOf(ply)[0].z);
+}
+
+/** PCL writes the files, of each kind and encoding. */
+TEST_F(ModelFile, ReadsCloudsAndMeshesOfPcl) {
+  pcl::PointCloud<pcl::PointXYZRGBNormal> points;
+  for (int i = 0; i < 500; ++i) {
+    pcl::PointXYZRGBNormal p;
+    p.x = 0.1f * static_cast<float>(i), p.y = static_cast<float>(i % 7), p.z = i == 4 ? NAN : -1.25f;
+    p.r = static_cast<std::uint8_t>(i), p.g = 200, p.b = 7;
+    points.push_back(p);
+  }
+  const auto path = [&](const char* name) { return (folder_ / name).string(); };
+  pcl::io::savePCDFileASCII(path("text.pcd"), points);
+  pcl::io::savePCDFileBinary(path("binary.pcd"), points);
+  pcl::io::savePCDFileBinaryCompressed(path("compressed.pcd"), points);
+  pcl::PolygonMesh mesh;
+  pcl::toPCLPointCloud2(points, mesh.cloud);
+  for (pcl::index_t i = 0; i + 3 < 500; ++i) {
+    mesh.polygons.emplace_back();
+    mesh.polygons.back().vertices = {i, i + 1, i + 2};
+    if (i % 2) mesh.polygons.back().vertices.push_back(i + 3);
+  }
+  pcl::io::savePLYFile(path("text.ply"), mesh, 9);
+  pcl::io::savePLYFileBinary(path("binary.ply"), mesh);
+  pcl::io::savePLYFileBinary(path("cloud.ply"), points);
+  for (const char* name :
+       {"text.pcd", "binary.pcd", "compressed.pcd", "text.ply", "binary.ply", "cloud.ply"}) {
+    const pcl::PolygonMesh read = readModel(path(name));
+    const auto positions = pointsOf(read);
+    ASSERT_EQ(points.size(), positions.size()) << name;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_NEAR(points[i].x, positions[i].x, 1e-5) << name;
+      EXPECT_EQ(points[i].y, positions[i].y) << name;
+      EXPECT_TRUE(i == 4 ? std::isnan(positions[i].z) : points[i].z == positions[i].z) << name << i;
+    }
+    const bool has_faces = name == std::string("text.ply") || name == std::string("binary.ply");
+    ASSERT_EQ(has_faces ? mesh.polygons.size() : 0u, read.polygons.size()) << name;
+    for (std::size_t i = 0; i < read.polygons.size(); ++i)
+      EXPECT_EQ(mesh.polygons[i].vertices, read.polygons[i].vertices) << name;
+  }
+}
+
+TEST_F(ModelFile, ReadsPlyFilesOfEitherByteOrder) {
+  const auto swapped = [](std::string bytes) {
+    for (std::size_t i = 0; i + 3 < bytes.size(); i += 4)
+      std::reverse(bytes.begin() + i, bytes.begin() + i + 4);
+    return bytes;
+  };
+  std::string head = kPlyHead;
+  head.replace(head.find("ascii"), 5, "binary_big_endian");
+  head.replace(head.find("element face"), 0,
+               "property list uchar short weights\n");  // which nothing asks for
+  const std::string none(1, '\0'), two("\x02\0\0\0\0", 5);
+  const std::string points = swapped(bytesOf(0, 0, 0)) + none + swapped(bytesOf(1, 0, 0)) + two +
+                             swapped(bytesOf(0, 1, 1)) + none + swapped(bytesOf(1, -1, 1)) + none;
+  const std::string faces("\x03\0\0\0\0\0\0\0\x01\0\0\0\x02\x03\0\0\0\0\0\0\0\x03\0\0\0\x01", 26);
+  expectRoof(readModel(write("big.ply", head + points + faces)));
+  const auto cutOff = [&](std::size_t n) {
+    return refusal(write("cut.ply", (head + points + faces).substr(0, n)));
+  };
+  EXPECT_THAT(cutOff(head.size() + points.size() + 25), testing::HasSubstr("cut off"));
+  std::string endless = faces;
+  endless[0] = '\xff';  // corners of a face
+  EXPECT_THAT(refusal(write("endless.ply", head + points + endless)), testing::HasSubstr("cut off"));
+}
+
+TEST_F(ModelFile, RefusesPlyFilesWithoutPositions) {
+  EXPECT_THAT(
+      refusal(write("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")),
+      testing::HasSubstr("no x, y and z"));
+  EXPECT_THAT(refusal(write("b.ply", "ply\nformat ascii 1.0\nelement vertex 2000000000\nend_header\n")),
+              testing::HasSubstr("no x, y and z"));
+  EXPECT_THAT(refusal(write("c.ply", "ply\nformat text 1.0\nend_header\n")), testing::HasSubstr("format"));
+  EXPECT_THAT(refusal(write("d.ply", kPlyHead + "0 0 zero\n1 0 0\n0 1 1\n1 -1 1\n3 0 1 2\n3 0 3 1\n")),
+              testing::HasSubstr("'zero'"));
 }
 
 TEST_F(ModelFile, RefusesFilesThatAreNoModel) {

@@ -4,7 +4,7 @@
 #include "temporary_folder.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/io/openni_grabber.h>
+#include <facetloc/openni/openni_grabber.h>
 
 #include <gtest/gtest.h>
 

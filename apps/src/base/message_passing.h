@@ -6,8 +6,8 @@
 #include <string>
 
 /** \file
- * The part of MPI that Ranks needs: message_passing_mpi.cpp, or message_passing_missing.cpp in builds
- * without MPI. A process that waits sleeps meanwhile, and leaves the processor to others. */
+ * The part of MPI that Ranks needs, in a library of its own (message_passing_mpi.cpp), which join() loads. A
+ * process that waits sleeps meanwhile, and leaves the processor to others. */
 
 namespace facetloc::mpi {
 
@@ -17,6 +17,8 @@ struct ProcessId {
   int ranks_here;  ///< on this machine
 };
 
+/** \brief Throws std::runtime_error, also where the library is missing. The other functions need join()
+ * first. */
 ProcessId join();
 void leave();
 void abort(int code);
@@ -26,5 +28,16 @@ void send(const std::string& bytes, int to);
 void flush();
 /** \brief Nothing if it is given up before there is a message. */
 std::optional<std::string> receive(int from, const std::function<bool()>& givesUp);
+
+/** \brief These functions, of the library. */
+struct Calls {
+  ProcessId (*join)();
+  void (*leave)();
+  void (*abort)(int code);
+  void (*send)(const std::string& bytes, int to);
+  void (*flush)();
+  std::optional<std::string> (*receive)(int from, const std::function<bool()>& givesUp);
+};
+extern "C" const Calls& facetloc_message_passing();
 
 }  // namespace facetloc::mpi

@@ -14,7 +14,7 @@
 #include <vector>
 
 namespace facetloc::mpi {
-namespace {
+namespace mpi_calls {
 
 constexpr std::uint64_t kPiece = 1u << 30;  // [B] MPI counts are int
 constexpr auto kNap = std::chrono::milliseconds(1);
@@ -52,8 +52,6 @@ void waitForSent(std::size_t most) {
       return;
   }
 }
-
-}  // namespace
 
 ProcessId join() {
   int provided = MPI_THREAD_SINGLE;
@@ -97,6 +95,14 @@ std::optional<std::string> receive(int from, const std::function<bool()>& givesU
     MPI_Recv(piece, n, MPI_CHAR, from, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
   });
   return bytes;
+}
+
+}  // namespace mpi_calls
+
+extern "C" const Calls& facetloc_message_passing() {
+  static const Calls calls{mpi_calls::join, mpi_calls::leave, mpi_calls::abort,
+                           mpi_calls::send, mpi_calls::flush, mpi_calls::receive};
+  return calls;
 }
 
 }  // namespace facetloc::mpi

@@ -9,8 +9,8 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>
-#include <facetloc/io/openni_grabber.h>
 #include <facetloc/io/v4l2_frames.h>
+#include <facetloc/openni/openni_grabber.h>
 
 #include <pcl/io/image_grabber.h>
 

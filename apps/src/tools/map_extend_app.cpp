@@ -5,9 +5,7 @@
 #include "base/map_watch.h"
 #include "base/provenance.h"
 #include "base/text.h"
-#include "drawing/offscreen_display.h"
-#include "drawing/outputs.h"
-#include "drawing/pictures.h"
+#include "tools/drawn_map.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
@@ -16,6 +14,9 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace facetloc {
 namespace {
@@ -23,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostNamed = 12;  // local models that a line of the report names
-constexpr Colour kNew = {0, 130, 60}, kEdited = {130, 60, 170};
 
 std::string named(const std::vector<std::string>& names) {
   std::string words;
@@ -129,20 +129,21 @@ void MapExtendApp::writeTrajectory(const MapSession& session) const {
   writeTumTrajectory(trajectory_, poses);
 }
 
-void MapExtendApp::drawChanges(const Map& map, const MapSession& session, const MapChanges& changes) const {
-  const OffscreenDisplay display;
-  if (!display.available()) throw IoError(changes_, "cannot be drawn: " + display.problem());
-  DrawnRun run{"session", {}, kCurveColours[0]};
-  for (const TrajectoryPose& pose : session.poses()) run.T_w_c.push_back(pose.T_w_c);
-  drawFloorMap(changes_, map, {run},
-               {{"new local models", changes.T_w_new, kNew},
-                {"without moved surfaces", changes.T_w_edited, kEdited},
-                {"retired", changes.T_w_old, kRed}});
+void MapExtendApp::drawChanges(const std::string& map, const MapSession& session, const MapChanges& changes,
+                               DrawnMap& picture) {
+  std::vector<Eigen::Isometry3d> T_w_c;
+  for (const TrajectoryPose& pose : session.poses()) T_w_c.push_back(pose.T_w_c);
+  picture.setTrajectory(std::move(T_w_c));
+  picture.addMarks("new local models", changes.T_w_new);
+  picture.addMarks("without moved surfaces", changes.T_w_edited);
+  picture.addMarks("retired", changes.T_w_old);
+  picture.draw(map);
 }
 
 int MapExtendApp::execute(const CommandLine& line, const Console& console) {
   if (without_poses_ && !poses_.empty()) throw UsageError("poses and without-poses exclude each other");
-  if (!changes_.empty()) requireNoneButPicture(changes_);
+  std::optional<DrawnMap> picture;
+  if (!changes_.empty()) picture.emplace(changes_);
   if (overwrite_ && output_.empty())
     throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
   const std::string target = output_.empty() ? map_ : output_;
@@ -173,7 +174,7 @@ int MapExtendApp::execute(const CommandLine& line, const Console& console) {
               changed);
   replaceWholeMap(target, changed, threads(), console);
   if (!trajectory_.empty()) writeTrajectory(session);
-  if (!changes_.empty()) drawChanges(changed, session, changes);
+  if (picture) drawChanges(target, session, changes, *picture);
   console.out << changes.toString() << "; map of " << counted(changed.models.size(), "local model") << " in "
               << target << "\n";
   return code;

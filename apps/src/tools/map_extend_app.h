@@ -9,6 +9,8 @@
 
 namespace facetloc {
 
+class DrawnMap;
+
 /** \brief facetloc_map extend: a later session is found in a map, and brings it up to date. */
 class MapExtendApp : public App {
 public:
@@ -21,7 +23,8 @@ private:
                        const Camera& camera, const Console& console) const;
   const SessionPlace& find(MapSession& session) const;
   void writeTrajectory(const MapSession& session) const;
-  void drawChanges(const Map& map, const MapSession& session, const MapChanges& changes) const;
+  static void drawChanges(const std::string& map, const MapSession& session, const MapChanges& changes,
+                          DrawnMap& picture);
 
   std::string map_;
   std::string sequence_;

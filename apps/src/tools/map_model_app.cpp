@@ -4,10 +4,8 @@
 #include "base/map_completion.h"
 #include "base/map_watch.h"
 #include "base/text.h"
-#include "drawing/offscreen_display.h"
-#include "drawing/outputs.h"
-#include "drawing/pictures.h"
 #include "shared/text.h"
+#include "tools/drawn_map.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
@@ -115,7 +113,7 @@ void MapModelApp::addOptions(CommandLine& line) {
   line.addOption("wall-height", floor_plan_.wall_height, "M",
                  "Height of the walls of an occupancy grid [m].");
   line.addSwitch("ceiling", floor_plan_.ceiling, "Add a ceiling to an occupancy grid, as high as its walls.");
-  line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints.");
+  line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints, by facetloc_render.");
   line.addOption("width", width_, "N", "Minimum width of the rendered images [px]; 0 = 320.");
   line.addCheck([this] {
     metresPer(units_);
@@ -261,17 +259,14 @@ Map MapModelApp::make(const Console& console) const {
 }
 
 int MapModelApp::execute(const CommandLine&, const Console& console) {
-  std::optional<OffscreenDisplay> display;
-  if (!plan_.empty()) {
-    requireNoneButPicture(plan_);
-    display.emplace();
-  }
+  std::optional<DrawnMap> plan;
+  if (!plan_.empty()) plan.emplace(plan_);
   Map map;
   writeNewMap(map_, overwrite_, threads(), console, [&]() -> const Map& {
     map = make(console);
     return map;
   });
-  if (!plan_.empty()) drawFloorMap(plan_, map, {});
+  if (plan) plan->draw(map_);
   console.out << counted(map.models.size(), "local model") << "; map in " << map_ << "\n";
   return kOk;
 }

@@ -9,6 +9,7 @@
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
 #include "evaluation/failures.h"
+#include "shared/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>
@@ -137,11 +138,25 @@ void requirePng(const fs::path& output) {
     throw UsageError("pictures are PNG files, and pages HTML: -o " + output.string());
 }
 
-DrawnRun runOf(const fs::path& path) {
-  DrawnRun run{"trajectory", {}};
+std::vector<Eigen::Isometry3d> posesIn(const fs::path& path) {
+  std::vector<Eigen::Isometry3d> T_w_c;
   const Trajectory trajectory = DepthSequence::readTruth(path);
-  for (const StampedPose& pose : trajectory.poses()) run.T_w_c.push_back(pose.T_w_c);
-  return run;
+  for (const StampedPose& pose : trajectory.poses()) T_w_c.push_back(pose.T_w_c);
+  return T_w_c;
+}
+
+/** Of files between commas, each named as its file and in a colour of its own, which one without a name
+ * leaves out. */
+std::vector<DrawnMarks> marksIn(const std::string& files) {
+  constexpr Colour kColours[] = {{0, 130, 60}, {130, 60, 170}, kRed};
+  std::vector<DrawnMarks> marks;
+  std::size_t kind = 0;
+  for (const std::string_view file : text::split(files, ',')) {
+    const Colour& colour = kColours[kind++ % std::size(kColours)];
+    if (const fs::path path(file); !path.empty())
+      marks.push_back({path.stem().string(), posesIn(path), colour});
+  }
+  return marks;
 }
 
 }  // namespace
@@ -164,6 +179,8 @@ void RenderApp::addOptions(CommandLine& line) {
   line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of answers drawn per image.");
   line.addOption("trajectory", trajectory_, "FILE",
                  "Draw this trajectory into a map: a TUM file, or a recording with poses.");
+  line.addOption("marks", marks_, "FILE,...",
+                 "Mark the poses of these files in a map, green, purple and red.");
   line.addOption("sequence", sequence_, "DIR",
                  "The recording of the results: its images, and its true poses.");
   line.addOption("most", most_, "N", "Maximum number of failures drawn, the most confident first.");
@@ -183,8 +200,8 @@ int RenderApp::renderMap(const Console& console) const {
   requireNoneButPicture(output_);
   const Map map = readMap(input_);
   std::vector<DrawnRun> runs;
-  if (!trajectory_.empty()) runs.push_back(runOf(trajectory_));
-  drawFloorMap(output_, map, runs);
+  if (!trajectory_.empty()) runs.push_back({"trajectory", posesIn(trajectory_)});
+  drawFloorMap(output_, map, runs, marksIn(marks_));
   console.out << counted(map.models.size(), "local model") << "; picture in " << output_ << "\n";
   return kOk;
 }

@@ -32,6 +32,7 @@ private:
   std::string map_;
   std::string frame_;
   std::string trajectory_;
+  std::string marks_;
   std::string sequence_;
   int max_hypotheses_ = 1;
   int most_ = 20;

@@ -4,8 +4,8 @@
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
-#include <facetloc/io/openni_grabber.h>
 #include <facetloc/io/virtual_camera.h>
+#include <facetloc/openni/openni_grabber.h>
 
 #include <OpenNI.h>
 #include <pcl/console/print.h>

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/drawn_map.h"
+
+#include "base/other_tool.h"
+#include "drawing/outputs.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/trajectory.h>
+
+#include <cstdlib>
+#include <fmt/format.h>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** Removed with all that is in it. */
+class TemporaryFolder {
+public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "facetloc_XXXXXX").string();
+    if (!mkdtemp(name.data())) throw IoError(name, "cannot be created");
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+private:
+  fs::path path_;
+};
+
+/** Their numbers are their times. */
+std::string written(const fs::path& file, const std::vector<Eigen::Isometry3d>& T_w_c) {
+  std::vector<StampedPose> poses;
+  for (const Eigen::Isometry3d& T : T_w_c) poses.push_back({static_cast<double>(poses.size()), T});
+  writeTumTrajectory(file, poses);
+  return file.string();
+}
+
+}  // namespace
+
+DrawnMap::DrawnMap(fs::path picture) : picture_(std::move(picture)) {
+  requireNoneButPicture(picture_);
+  const auto renderer = findTool("facetloc_render");
+  if (!renderer)
+    throw IoError(
+        picture_.string(),
+        "cannot be drawn: facetloc_render is not installed, which is in the package facetloc-tools-gui");
+  renderer_ = *renderer;
+}
+
+void DrawnMap::addMarks(const std::string& name, std::vector<Eigen::Isometry3d> T_w_c) {
+  marks_.emplace_back(name, std::move(T_w_c));
+}
+
+void DrawnMap::draw(const fs::path& map) const {
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments = {map.string(), "-o", picture_.string(), "--quiet"};
+  if (!trajectory_.empty())
+    arguments.insert(arguments.end(),
+                     {"--trajectory", written(folder.path() / "trajectory.txt", trajectory_)});
+  std::vector<std::string> marks;  // without a name where a kind has none: each has its colour
+  for (const auto& [name, T_w_c] : marks_)
+    marks.push_back(T_w_c.empty() ? "" : written(folder.path() / (name + ".txt"), T_w_c));
+  if (!marks.empty())
+    arguments.insert(arguments.end(), {"--marks", fmt::format("{}", fmt::join(marks, ","))});
+  if (runProgram(renderer_, arguments) != 0)
+    throw IoError(picture_.string(),
+                  "is not drawn by " + renderer_.string() + "; the map is in " + map.string());
+}
+
+}  // namespace facetloc
