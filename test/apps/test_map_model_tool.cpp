@@ -56,8 +56,42 @@ TEST_F(Tools, ModelUpsideDownIsNamed) {
                               "--up=" + up, "--spacing", "2"});
     return made.out + made.err;
   };
-  EXPECT_THAT(saidOf("-y"), HasSubstr("ceilings without floors"));
-  EXPECT_THAT(saidOf("y"), testing::Not(HasSubstr("ceilings without floors")));
+  EXPECT_THAT(saidOf("-y"), HasSubstr("upside down"));
+  EXPECT_THAT(saidOf("-y"), HasSubstr("--up=y"));
+  EXPECT_THAT(saidOf("z"), HasSubstr("its floors do not face z"));
+  EXPECT_THAT(saidOf("0,1,0.1"), HasSubstr("its floor is inclined by 5.7 deg: --up=y levels it"));
+  EXPECT_THAT(saidOf("y"), testing::Not(HasSubstr("up")));
+  EXPECT_THAT(saidOf("auto"), HasSubstr("the upward direction is y\n"));
+  EXPECT_THAT(runMap({"info", folder_ / "turned.flmap"}).out, HasSubstr("up = y"));
+}
+
+TEST_F(Tools, ModelWithoutAClearUpwardDirectionAsksForIt) {
+  const fs::path model(folder_ / "cube.obj");
+  std::ofstream(model) << "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 3 3 0\nv 0 0 3\nv 3 0 3\nv 0 3 3\nv 3 3 3\n"
+                          "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
+  const auto made = runMap({"from-model", model.string(), "-o", folder_ / "cube.flmap", "--up", "auto"});
+  EXPECT_EQ(made.code, kFailed);
+  EXPECT_THAT(made.err, HasSubstr("do not show which direction is up"));
+  for (const char* option : {"--up=x", "--up=y", "--up=z"}) EXPECT_THAT(made.err, HasSubstr(option));
+  const auto closed = runMap({"from-model", model.string(), "-o", folder_ / "cube.flmap", "--spacing", "2"});
+  EXPECT_THAT(closed.out + closed.err, testing::Not(HasSubstr("--up")));
+}
+
+TEST_F(Tools, ModelInAnotherUnitIsRemarked) {
+  const fs::path model(folder_ / "room.obj");
+  const auto saidOf = [&](double per_metre, const std::string& unit) {
+    writeRoom(model, per_metre);
+    const auto made = runMap({"from-model", model.string(), "-o", folder_ / "units.flmap", "--overwrite",
+                              "--up", "y", "--units", unit, "--spacing", "2"});
+    return made.out + made.err;
+  };
+  EXPECT_THAT(saidOf(1, "m"), testing::Not(HasSubstr("--units")));
+  EXPECT_THAT(saidOf(1000, "mm"), testing::Not(HasSubstr("--units")));
+  EXPECT_THAT(saidOf(1000, "m"), HasSubstr("its rooms are 2500 m high; is its unit mm? --units mm"));
+  EXPECT_THAT(saidOf(100, "m"), HasSubstr("its rooms are 250 m high; is its unit cm? --units cm"));
+  EXPECT_THAT(saidOf(1 / 0.0254, "m"), HasSubstr("its rooms are 98 m high; is its unit in? --units in"));
+  EXPECT_THAT(saidOf(1, "mm"), HasSubstr("it is only 0.005 x 0.0025 x 0.004 m large; is its unit m?"));
+  EXPECT_THAT(saidOf(1, "in"), HasSubstr("is its unit m? --units m"));
 }
 
 TEST_F(Tools, ModelOptionsThatViewpointsMakeUselessAreRefused) {

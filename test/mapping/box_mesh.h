@@ -28,6 +28,10 @@ public:
     }
     return *this;
   }
+  BoxMesh& turned(const Eigen::Matrix3d& R) {
+    for (pcl::PointXYZ& p : points_) p.getVector3fMap() = (R.cast<float>() * p.getVector3fMap()).eval();
+    return *this;
+  }
   pcl::PolygonMesh mesh() const {
     pcl::PolygonMesh mesh = mesh_;
     pcl::toPCLPointCloud2(points_, mesh.cloud);

@@ -118,57 +118,5 @@ TEST(FloorLevels, AreThoseOfStoreysNotOfFurniture) {
   EXPECT_NEAR(5.4, levels[2], 1e-9);
 }
 
-/** Heights above the ceiling of points measured above the floor. */
-std::vector<std::vector<double>> turned(const std::vector<std::vector<double>>& columns, double height) {
-  std::vector<std::vector<double>> upside_down;
-  for (std::vector<double> column : columns) {
-    std::reverse(column.begin(), column.end());
-    for (double& z : column) z = height - z;
-    upside_down.push_back(column);
-  }
-  return upside_down;
-}
-
-TEST(UpsideDown, IsACeilingWithoutAFloor) {
-  std::vector<std::vector<double>> open, storeys, closed;
-  for (int i = 0; i < 100; ++i) {
-    const bool table = i % 5 == 0;
-    open.push_back(i >= 80 ? std::vector<double>{}
-                   : table ? std::vector<double>{0.75, 0}
-                           : std::vector<double>{0});
-    // Two storeys with slabs below a flat roof, a garden, and a cellar below some of it.
-    storeys.push_back(i < 50 ? std::vector<double>{5.8, 5.5, 3, 2.7, 0} : std::vector<double>{0});
-    if (i < 20) storeys.back().push_back(-2.4);
-    closed.push_back(table ? std::vector<double>{2.5, 0.75, 0.72, 0} : std::vector<double>{2.5, 0});
-  }
-  EXPECT_FALSE(isUpsideDown(open, 0, 2.5));
-  EXPECT_TRUE(isUpsideDown(turned(open, 2.5), 0, 2.5));
-  EXPECT_FALSE(isUpsideDown(storeys, -2.4, 5.8));
-  EXPECT_FALSE(isUpsideDown(closed, 0, 2.5));
-  EXPECT_FALSE(isUpsideDown({}, 0, 0));
-}
-
-TEST(UpsideDown, IsFoundInAMesh) {
-  Eigen::Isometry3d T_w_down = Eigen::Isometry3d::Identity();
-  T_w_down.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  for (const bool ceiling : {true, false}) {
-    const MeshSurface surface(twoRooms(ceiling).mesh());
-    const SpaceProbe upright(surface, Eigen::Isometry3d::Identity()), turned(surface, T_w_down);
-    EXPECT_FALSE(freePlaces(upright, robot(), inOrder).upside_down) << ceiling;
-    EXPECT_EQ(!ceiling, freePlaces(turned, robot(), inOrder).upside_down);
-  }
-}
-
-/** Whether buildings are closed or not, none of them is turned over. */
-TEST(UpsideDown, IsNoPlaceAsItStands) {
-  PlaceRules coarse = robot();
-  coarse.step = 1;
-  for (const char* place : {"office", "home"}) {
-    const MeshSurface surface(meshOf(simulatedPlace(place, 2).mapped));
-    const SpaceProbe probe(surface, Eigen::Isometry3d::Identity());
-    EXPECT_FALSE(freePlaces(probe, coarse, inOrder).upside_down) << place;
-  }
-}
-
 }  // namespace
 }  // namespace facetloc::internal

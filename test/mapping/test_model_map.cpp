@@ -140,8 +140,31 @@ TEST(ModelMap, SaysThatTheSurfaceIsUpsideDown) {
     making.setNumberOfThreads(2);
     making.setUp(up * Eigen::Vector3d::UnitZ());
     making.finish();
-    EXPECT_EQ(up < 0, making.findings().upside_down);
+    EXPECT_EQ(up * Eigen::Vector3d::UnitZ(), making.findings().up);
+    EXPECT_EQ(up < 0 ? SurfaceOrientation::Verdict::upside_down : SurfaceOrientation::Verdict::plausible,
+              making.findings().orientation.judge(making.findings().up).verdict);
   }
+}
+
+TEST(ModelMap, TakesTheUpwardDirectionFromTheSurface) {
+  ModelMapParams few;
+  few.spacing = 3, few.turn_deg = 60;
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(100 * kDegree, Eigen::Vector3d(1, 0.4, 0.2).normalized()).toRotationMatrix();
+  const Eigen::Vector3d up = R * Eigen::Vector3d::UnitZ();
+  const auto turned = std::make_shared<const MeshSurface>(twoRooms(false).turned(R).mesh());
+  ModelMap making(turned, robotCamera(), few);
+  making.setNumberOfThreads(2);
+  making.setUpBySurface();
+  const Map map = making.finish();
+  EXPECT_LT(std::acos(making.findings().up.dot(up)), 0.2 * kDegree);
+  ASSERT_FALSE(map.models.empty());
+  for (const LocalModel& model : map.models) EXPECT_NEAR(0.95, model.T_w_m->translation().dot(up), 0.03);
+
+  ModelMap unknown(std::make_shared<const MeshSurface>(BoxMesh().add({0, 0, 0}, {3, 3, 3}).mesh()), Camera{});
+  unknown.setUpBySurface();
+  EXPECT_TRUE(unknown.finish().models.empty());
+  EXPECT_NE(std::string::npos, unknown.findings().problem.find("which direction is up"));
 }
 
 TEST(ModelMap, SaysWhyThereIsNoMap) {

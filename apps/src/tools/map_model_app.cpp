@@ -4,8 +4,8 @@
 #include "base/map_completion.h"
 #include "base/map_watch.h"
 #include "base/text.h"
-#include "shared/text.h"
 #include "tools/drawn_map.h"
+#include "tools/model_axes.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
@@ -16,61 +16,17 @@
 #include <facetloc/mapping/cloud_surface.h>
 #include <facetloc/mapping/mesh_surface.h>
 
-#include <array>
-#include <cmath>
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <optional>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::array<std::pair<const char*, double>, 5> kUnits{
-    {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}}};
-
-/** Metres per unit. Throws UsageError for a word that is no unit. */
-double metresPer(const std::string& unit) {
-  for (const auto& [name, metres] : kUnits)
-    if (unit == name) return metres;
-  throw UsageError("units: '" + unit + "' is not one of m, cm, mm, in, ft");
-}
-
-/** "1,2.5,0"; nothing for other words. */
-std::optional<Eigen::Vector3d> threeNumbers(const std::string& words) {
-  const auto parts = text::split(words, ',');
-  if (parts.size() != 3) return {};
-  Eigen::Vector3d numbers;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto number = text::to<double>(text::trimmed(parts[k]));
-    if (!number || !std::isfinite(*number)) return {};
-    numbers[static_cast<Eigen::Index>(k)] = *number;
-  }
-  return numbers;
-}
-
-/** "-y", or three numbers. Throws UsageError for anything else. */
-Eigen::Vector3d directionOf(const std::string& words) {
-  const bool negative = !words.empty() && words[0] == '-';
-  const std::string axis = words.substr(negative ? 1 : 0);
-  if (axis.size() == 1 && axis[0] >= 'x' && axis[0] <= 'z')
-    return (negative ? -1 : 1) * Eigen::Vector3d::Unit(axis[0] - 'x');
-  const auto direction = threeNumbers(words);
-  if (!direction || direction->norm() == 0)
-    throw UsageError("up: '" + words + "' is neither an axis (x, -x, y, ...) nor a direction (0,-1,0.1)");
-  return direction->normalized();
-}
-
-/** "1,2.5,0". Throws UsageError for anything else. */
-Eigen::Vector3d placeOf(const std::string& words) {
-  const auto place = threeNumbers(words);
-  if (!place) throw UsageError("inside: '" + words + "' is not of the form x,y,z in metres");
-  return *place;
-}
 
 std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& console) {
   std::string remark;
@@ -105,9 +61,9 @@ void MapModelApp::addOptions(CommandLine& line) {
                  "Height of the camera above the floor [m]; 0 = as mounted, or hand-held.");
   line.addOption("units", units_, "UNIT",
                  "Unit of the MODEL's coordinates: m, cm, mm, in or ft; m unless given.");
-  line.addOption(
-      "up", up_, "AXIS",
-      "Upward direction in the MODEL: x, y, z, or --up=-x, ..., or a vector x,y,z; z unless given.");
+  line.addOption("up", up_, "AXIS",
+                 "Upward direction in the MODEL: x, y, z, --up=-x, ..., a vector x,y,z, or auto, found in the "
+                 "MODEL; z unless given.");
   line.addOption("inside", inside_, "X,Y,Z",
                  "A place in the area to fill [m]; all but the one around all others unless given.");
   line.addOption("wall-height", floor_plan_.wall_height, "M",
@@ -201,7 +157,10 @@ ModelMap MapModelApp::making(const Console& console) const {
   }
   ModelMap making(surface, camera, params, view_);
   making.setNumberOfThreads(threads());
-  making.setUp(directionOf(up_));
+  if (const auto up = directionOf(up_))
+    making.setUp(*up);
+  else
+    making.setUpBySurface();
   if (width_ > 0) making.setWorkingWidth(width_);
   if (!inside_.empty()) making.setInside({placeOf(inside_)});
   if (height_ > 0) making.setHeights({height_});
@@ -209,12 +168,32 @@ ModelMap MapModelApp::making(const Console& console) const {
   return making;
 }
 
-std::string MapModelApp::parameters(const Camera& camera) const {
+std::string MapModelApp::parameters(const Camera& camera, const ModelFindings& found) const {
   return fmt::format(
              "camera = {}\nviewpoints = {}\nheight = {}\nunits = {}\nup = {}\ninside = {}\nwidth = {}\n",
-             camera_, viewpoints_, height_, units_, up_, inside_, width_) +
+             camera_, viewpoints_, height_, units_, toOption(found.up), inside_, width_) +
          (isFloorPlan() ? toIni(floor_plan_, "floor_plan") : std::string()) + toIni(camera.noise, "noise") +
          toIni(params_) + toIni(view_);
+}
+
+/** What the model says about the options that it was read with. */
+std::vector<std::string> MapModelApp::doubts(const ModelFindings& found) const {
+  if (isFloorPlan()) return {};
+  std::vector<std::string> all{unitRemark(units_, found.orientation, found.bounds, found.up)};
+  if (viewpoints_.empty() && directionOf(up_)) all.push_back(upRemark(found.orientation, found.up));
+  if (viewpoints_.empty() && !directionOf(up_) && !found.orientation.up())
+    all.push_back("name it: " + upOptions(found.orientation));
+  all.erase(std::remove(all.begin(), all.end(), ""), all.end());
+  return all;
+}
+
+void MapModelApp::noteUp(const ModelFindings& found, const Console& console) const {
+  console.out << fmt::format("the upward direction is {}\n", toOption(found.up));
+  if (!found.orientation.isSignKnown())
+    console.note(fmt::format(
+        "nothing in it distinguishes its floors from its ceilings: if {} is down, name the upward "
+        "direction with --up={}",
+        toOption(found.up), toOption(-found.up)));
 }
 
 Map MapModelApp::make(const Console& console) const {
@@ -223,15 +202,12 @@ Map MapModelApp::make(const Console& console) const {
   making.setProgress(watch.callback());
   Map map = making.finish();
   const ModelFindings& found = making.findings();
-  const std::string turned =
-      found.upside_down ? fmt::format("it has ceilings without floors, as if it were upside down; --up names "
-                                      "the upward direction, which is {} now",
-                                      up_)
-                        : "";
+  const std::vector<std::string> doubts = this->doubts(found);
   if (map.models.empty())
-    throw IoError(model_,
-                  "cannot be made into a map: " + found.problem + (turned.empty() ? "" : "; " + turned));
-  if (!turned.empty()) console.note(turned);
+    throw IoError(model_, fmt::format("cannot be made into a map: {}{}{}", found.problem, doubts.empty() ? "" : "; ",
+                                      fmt::join(doubts, "; ")));
+  for (const std::string& doubt : doubts) console.note(doubt);
+  if (!directionOf(up_) && viewpoints_.empty()) noteUp(found, console);
   if (found.places > 0)
     console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
   if (found.is_open)
@@ -254,7 +230,7 @@ Map MapModelApp::make(const Console& console) const {
   map.meta["software"] = versionText();
   map.meta["source"] = model_;
   map.meta["made of"] = isFloorPlan() ? "a floor plan" : "a model";
-  map.meta["parameters"] = parameters(map.camera);
+  map.meta["parameters"] = parameters(map.camera, found);
   return map;
 }
 

@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace facetloc {
 
@@ -25,7 +26,9 @@ private:
   std::shared_ptr<const FloorPlanSurface> floorPlan(const Console& console) const;
   ModelMap making(const Console& console) const;
   Map make(const Console& console) const;
-  std::string parameters(const Camera& camera) const;
+  std::vector<std::string> doubts(const ModelFindings& found) const;
+  void noteUp(const ModelFindings& found, const Console& console) const;
+  std::string parameters(const Camera& camera, const ModelFindings& found) const;
 
   std::string model_;
   std::string map_;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/free_places.h"
 
+#include "models/cube_view.h"
 #include "models/place_grid.h"
-
-#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,20 +18,10 @@ constexpr double kStorey = 1.8;       // least distance between two floors [m]
 constexpr double kLevelShare = 0.25;  // least share of a floor in the columns of the commonest level
 constexpr double kLeastArea = 2;      // least area of connected places [m^2]
 
-/** A camera that looks along a direction. */
-Eigen::Isometry3d lookingAlong(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), direction);
-  T.translation() = from;
-  return T;
-}
-
 }  // namespace
 
 double SpaceProbe::along(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const {
-  constexpr Intrinsics kRay{1, 1, 1, 1, 0, 0};
-  const float z = surface_.render(kRay, T_w_up_ * lookingAlong(from, direction)).at(0, 0);
-  return isMeasured(z) ? z : kNothing;
+  return distanceAlong(surface_, T_w_up_, from, direction);
 }
 
 std::vector<double> SpaceProbe::heightsBelow(Eigen::Vector3d from, double lowest) const {
@@ -51,18 +40,15 @@ std::vector<double> SpaceProbe::heightsBelow(Eigen::Vector3d from, double lowest
 void SpaceProbe::around(const Eigen::Vector3d& position,
                         const std::function<void(const Eigen::Vector3d&, double)>& take) const {
   constexpr int kSide = 24;  // [px] of each face of a cube
-  constexpr Intrinsics kFace{kSide, kSide, kSide / 2.0, kSide / 2.0, (kSide - 1) / 2.0, (kSide - 1) / 2.0};
-  for (const int axis : {0, 1, 2})
-    for (const double sign : {-1.0, 1.0}) {
-      const Eigen::Isometry3d T_up_c = lookingAlong(position, sign * Eigen::Vector3d::Unit(axis));
-      const DepthImage face = surface_.render(kFace, T_w_up_ * T_up_c);
-      for (int v = 0; v < kSide; ++v)
-        for (int u = 0; u < kSide; ++u) {
-          const Eigen::Vector3d ray = T_up_c.linear() * kFace.ray(u, v);
-          const float z = face.at(u, v);
-          take(ray.normalized(), isMeasured(z) ? z * ray.norm() : kNothing);
-        }
-    }
+  lookAround(surface_, T_w_up_, position, kSide,
+             [&](const Eigen::Isometry3d& T_up_c, const DepthImage& face) {
+               for (int v = 0; v < kSide; ++v)
+                 for (int u = 0; u < kSide; ++u) {
+                   const Eigen::Vector3d ray = T_up_c.linear() * face.camera.ray(u, v);
+                   const float z = face.at(u, v);
+                   take(ray.normalized(), isMeasured(z) ? z * ray.norm() : kNothing);
+                 }
+             });
 }
 
 Eigen::AlignedBox3d SpaceProbe::bounds() const {
@@ -104,27 +90,11 @@ std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns,
   return levels;
 }
 
-bool isUpsideDown(const std::vector<std::vector<double>>& columns, double lowest, double highest) {
-  constexpr double kRoom = 1.5;         // height of free space in which a person can stand [m]
-  constexpr std::size_t kMuchMore = 2;  // times; a stairwell or a cellar is no proof
-  constexpr double kLeastShare = 0.05;  // share of the columns
-  std::size_t without_ceiling = 0, without_floor = 0, known = 0;
-  for (const std::vector<double>& column : columns) {
-    if (column.empty()) continue;
-    ++known;
-    without_ceiling += highest - column.front() >= kRoom;
-    without_floor += column.back() - lowest >= kRoom;
-  }
-  return without_floor > kMuchMore * without_ceiling &&
-         static_cast<double>(without_floor) > kLeastShare * static_cast<double>(known);
-}
-
 FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach) {
   if (probe.bounds().isEmpty() || rules.heights.empty()) return {};
   const PlaceGrid grid(probe, rules, forEach);
   const std::vector<PlaceGrid::Cell> cells = grid.freeCells(forEach);
   FreePlaces found;
-  found.upside_down = grid.isUpsideDown();
   if (rules.beside > 0) {
     for (const PlaceGrid::Cell& cell : cells) found.positions.push_back(grid.position(cell));
     return found;

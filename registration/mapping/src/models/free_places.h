@@ -34,11 +34,6 @@ private:
  * \param columns heights of the surfaces of each, the highest first */
 std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns, double standing_room);
 
-/** \brief Is a surface upside down? Scans lack ceilings rather than floors; of a closed room nothing tells.
- * \param columns heights of the surfaces of each, the highest first
- * \param lowest, highest of the whole surface [m] */
-bool isUpsideDown(const std::vector<std::vector<double>>& columns, double lowest, double highest);
-
 /** \brief Where a camera may be. */
 struct PlaceRules {
   double step = 0.5;                    ///< spacing of the grid of positions [m]
@@ -55,7 +50,6 @@ struct PlaceRules {
 struct FreePlaces {
   std::vector<Eigen::Vector3d> positions;
   std::size_t outdoors = 0;  ///< positions of areas around all others
-  bool upside_down = false;  ///< isUpsideDown()
 };
 
 /** \brief Calls a function with 0 ... n - 1. */

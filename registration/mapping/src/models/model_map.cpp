@@ -36,17 +36,28 @@ struct ModelMap::Impl {
   std::optional<std::vector<Eigen::Isometry3d>> viewpoints;
   std::vector<double> heights;
   std::vector<Eigen::Vector3d> inside;
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  std::optional<Eigen::Vector3d> up = Eigen::Vector3d::UnitZ();  // none = the surface's own
   int width = kWorkingWidth;
   int threads = 1;
   MapProgressCallback progress;
   ModelFindings findings;
 
+  bool findUp();
   Intrinsics intrinsics() const;
   Camera viewCamera() const;
   ViewpointSearch search() const;
   Map build();
 };
+
+/** \return false if the surface has to know and does not */
+bool ModelMap::Impl::findUp() {
+  const std::optional<Eigen::Vector3d> found = up ? up : findings.orientation.up();
+  if (found)
+    findings.up = *found;
+  else
+    findings.problem = "its planes do not show which direction is up";
+  return found.has_value();
+}
 
 Intrinsics ModelMap::Impl::intrinsics() const {
   const Intrinsics full = camera.intrinsics.valid() ? camera.intrinsics : kinectIntrinsics();
@@ -72,7 +83,7 @@ ViewpointSearch ModelMap::Impl::search() const {
   search.tilts_deg = camera.mounting ? std::vector<double>{camera.mounting->tilt_deg} : kTiltsInHand;
   search.inside = inside;
   search.stands = camera.mounting || !heights.empty();
-  search.T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), up);
+  search.T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), findings.up);
   search.threads = threads;
   search.progress = progress;
   return search;
@@ -137,6 +148,7 @@ void ModelMap::setUp(const Eigen::Vector3d& up) {
   if (!(up.norm() > 0 && up.allFinite())) throw std::invalid_argument("ModelMap: up is no direction");
   impl_->up = up.normalized();
 }
+void ModelMap::setUpBySurface() { impl_->up.reset(); }
 void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->inside = std::move(places); }
 void ModelMap::setHeights(std::vector<double> heights) { impl_->heights = std::move(heights); }
 const ModelFindings& ModelMap::findings() const { return impl_->findings; }
@@ -144,9 +156,11 @@ const ModelFindings& ModelMap::findings() const { return impl_->findings; }
 Map ModelMap::finish() {
   Impl& m = *impl_;
   m.findings = {};
+  m.findings.bounds = m.surface->bounds();
+  m.findings.orientation = orientationOf(*m.surface, m.threads);
   if (m.viewpoints)
     m.findings.viewpoints = *m.viewpoints;
-  else
+  else if (m.findUp())
     m.findings.viewpoints = findViewpoints(m.search(), m.params, m.findings);
   if (m.findings.viewpoints.empty()) {
     if (m.findings.problem.empty()) m.findings.problem = "there are no viewpoints";

@@ -81,7 +81,6 @@ PlaceGrid::PlaceGrid(const SpaceProbe& probe, const PlaceRules& rules, const For
   });
   const double highest = *std::max_element(rules.heights.begin(), rules.heights.end());
   floors_ = floorLevels(heights, std::max(kStandingRoom, highest + rules.clearance));
-  upside_down_ = internal::isUpsideDown(heights, surface.min().z(), surface.max().z());
 }
 
 Eigen::Vector3d PlaceGrid::position(const Cell& cell) const {

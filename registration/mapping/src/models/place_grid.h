@@ -21,7 +21,6 @@ public:
   Eigen::Vector3d position(const Cell& cell) const;
   /** \brief The possible positions of a camera, by their surroundings alone. */
   std::vector<Cell> freeCells(const ForEach& forEach) const;
-  bool isUpsideDown() const { return upside_down_; }
 
 private:
   std::size_t columns() const { return static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_); }
@@ -36,7 +35,6 @@ private:
   Eigen::AlignedBox3d bounds_;  // box of the surface and its surroundings
   int nx_, ny_;
   std::vector<double> floors_;
-  bool upside_down_ = false;
 };
 
 /** \brief Cells that somebody can go between are one area; without ways as narrow as a door, it falls into

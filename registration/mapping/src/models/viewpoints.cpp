@@ -153,7 +153,6 @@ std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const Mode
   }
   findings.places = found.positions.size();
   findings.outdoors = found.outdoors;
-  findings.upside_down = found.upside_down;
   return found.positions;
 }
 

@@ -5,6 +5,7 @@
 #include <facetloc/features/params.h>
 #include <facetloc/mapping/map_image.h>
 #include <facetloc/mapping/surface.h>
+#include <facetloc/mapping/surface_orientation.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <cstddef>
@@ -53,12 +54,12 @@ struct ModelFindings {
   std::size_t places = 0;                     ///< positions where a camera can be, if they were looked for
   std::size_t outdoors = 0;                   ///< positions that were left out, in an area around all others
   bool is_open = false;                       ///< the surface shows no whole room: positions are beside it
-  /** The surface has ceilings without floors below, rather than floors without ceilings above: setUp(). Of a
-   * closed building, nothing tells. */
-  bool upside_down = false;
-  double overlap = 0;                ///< with which viewpoints were chosen
-  std::size_t without_segments = 0;  ///< viewpoints that became no local models
-  std::string problem;               ///< reason for an empty map, in words
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< by which viewpoints were looked for
+  Eigen::AlignedBox3d bounds;                     ///< of the surface [m]
+  SurfaceOrientation orientation;                 ///< which way is up, as the surface itself shows it
+  double overlap = 0;                             ///< with which viewpoints were chosen
+  std::size_t without_segments = 0;               ///< viewpoints that became no local models
+  std::string problem;                            ///< reason for an empty map, in words
 };
 
 /** \brief A surface to a map: depth images rendered from viewpoints become local models.
@@ -89,6 +90,8 @@ public:
   /** \brief The upward direction in the frame of the surface; its z axis unless set. Only where viewpoints
    * are looked for. Throws std::invalid_argument for no direction. */
   void setUp(const Eigen::Vector3d& up);
+  /** \brief Takes the upward direction from the surface itself, as orientationOf() finds it. */
+  void setUpBySurface();
   /** \brief Places in the frame of the surface: viewpoints are looked for in the areas that hold one of them.
    * Unless set, in all areas but one around all others, which is taken for outdoors. */
   void setInside(std::vector<Eigen::Vector3d> places);

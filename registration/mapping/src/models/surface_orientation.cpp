@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/cube_view.h"
+#include "models/surface_samples.h"
+#include "shared/median.h"
+
+#include <facetloc/mapping/surface_orientation.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace facetloc {
+
+using namespace internal;
+
+namespace {
+
+constexpr double kParallel = 8 * kDegree;   // between normals of parallel planes
+constexpr double kExact = 3 * kDegree;      // ... of the same plane
+constexpr double kSameAxis = 15 * kDegree;  // between an axis and what is meant by it
+constexpr double kInclined = 2 * kDegree;   // by which a floor is not level
+constexpr double kLeastShare = 0.03;        // of what is seen, for an axis
+constexpr std::size_t kMostAxes = 6;
+constexpr std::size_t kSeeds = 256;        // normals that axes are looked for at
+constexpr std::size_t kVotes = 20000;      // normals that vote for them
+constexpr double kLevel = 0.05;            // thickness of a level, of the usual distance
+constexpr double kLevelShare = 0.25;       // of the largest level that other floors, or ceilings, have
+constexpr double kCeilingless = 2;         // times as much floor as ceiling
+constexpr double kFurnished = 2.5;         // times as much on floors as under ceilings
+constexpr double kLeastFurniture = 0.004;  // of what is seen, for a sign
+constexpr double kOff = 1e-3;              // distance from a surface that is looked from, of a room's height
+constexpr double kClear = 1.5;             // times as much support as another axis
+
+using Samples = std::vector<SurfaceSample>;
+
+/** The normals within an angle of an axis, in both directions: their weight, and the axis that they have. */
+double gathered(const Samples& samples, std::size_t step, double angle, Eigen::Vector3d& axis) {
+  const float least = static_cast<float>(std::cos(angle));
+  const Eigen::Vector3f a = axis.cast<float>();
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  double weight = 0;
+  for (std::size_t i = 0; i < samples.size(); i += step) {
+    if (std::abs(samples[i].normal.dot(a)) < least) continue;
+    const Eigen::Vector3d n = samples[i].normal.cast<double>();
+    scatter += samples[i].weight * n * n.transpose();
+    weight += samples[i].weight;
+  }
+  if (weight > 0) {
+    const Eigen::Vector3d mean =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(2);
+    axis = mean.dot(axis) < 0 ? Eigen::Vector3d(-mean) : mean;
+  }
+  return weight;
+}
+
+bool isAlong(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double angle) {
+  return std::abs(a.dot(b)) >= std::cos(angle);
+}
+
+/** Axes of parallel planes, whatever their distance, those with most normals first. */
+std::vector<Eigen::Vector3d> axesOf(const Samples& samples) {
+  std::vector<Eigen::Vector3d> axes;
+  const std::size_t vote_step = std::max<std::size_t>(1, samples.size() / kVotes);
+  const std::size_t seed_step = std::max<std::size_t>(1, samples.size() / kSeeds);
+  std::vector<std::pair<double, Eigen::Vector3d>> seeds;
+  for (std::size_t i = 0; i < samples.size(); i += seed_step) {
+    Eigen::Vector3d axis = samples[i].normal.cast<double>();
+    const double weight = gathered(samples, vote_step, kParallel, axis);
+    seeds.emplace_back(weight * static_cast<double>(vote_step), axis);
+  }
+  std::stable_sort(seeds.begin(), seeds.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (auto [weight, axis] : seeds) {
+    if (axes.size() >= kMostAxes || weight < kLeastShare) break;
+    const auto isKnown = [&axes, &a = axis] {
+      return std::any_of(axes.begin(), axes.end(),
+                         [&a](const Eigen::Vector3d& other) { return isAlong(a, other, kSameAxis); });
+    };
+    if (isKnown()) continue;
+    for (int i = 0; i < 3; ++i) gathered(samples, 1, i == 0 ? kParallel : kExact, axis);
+    if (!isKnown()) axes.push_back(axis);
+  }
+  return axes;
+}
+
+/** What faces one direction, by its height in that direction. */
+class Levels {
+public:
+  Levels(const Samples& samples, const Eigen::Vector3d& facing, double thickness) {
+    const Eigen::Vector3f along = facing.cast<float>();
+    const auto least = static_cast<float>(std::cos(kParallel));
+    std::vector<Item> items;
+    for (const SurfaceSample& sample : samples)
+      if (sample.normal.dot(along) >= least)
+        items.push_back({sample.point.dot(along), &sample}), total_ += sample.weight;
+    std::stable_sort(items.begin(), items.end(),
+                     [](const Item& a, const Item& b) { return a.height < b.height; });
+    while (true) {  // the largest level that is left, with all that is close to it
+      const auto [weight, height] = largestOf(items, thickness);
+      if (weight <= 0 || weight < kLevelShare * largest_) break;
+      largest_ = std::max(largest_, weight);
+      items.erase(std::remove_if(items.begin(), items.end(),
+                                 [h = height, thickness](const Item& item) {
+                                   return std::abs(item.height - h) <= 1.5 * thickness;
+                                 }),
+                  items.end());
+    }
+    for (const Item& item : items) rest_.push_back(item.sample);
+  }
+  double total() const { return total_; }                                  ///< weight
+  double largest() const { return largest_; }                              ///< weight of the largest level
+  const std::vector<const SurfaceSample*>& rest() const { return rest_; }  ///< on no large level: furniture
+
+private:
+  struct Item {
+    float height;
+    const SurfaceSample* sample;
+  };
+  /** Weight and middle of the window with most. */
+  static std::pair<double, double> largestOf(const std::vector<Item>& items, double thickness) {
+    std::pair<double, double> best{0, 0};
+    double sum = 0;
+    for (std::size_t first = 0, last = 0; last < items.size(); ++last) {
+      sum += items[last].sample->weight;
+      while (items[last].height - items[first].height > 2 * thickness) sum -= items[first++].sample->weight;
+      if (sum > best.first) best = {sum, (items[first].height + items[last].height) / 2.0};
+    }
+    return best;
+  }
+  double total_ = 0, largest_ = 0;
+  std::vector<const SurfaceSample*> rest_;
+};
+
+/** Free distance from a position inside along a direction; infinite without an end. */
+double freeAlong(const Surface& surface, const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+  return distanceAlong(surface, Eigen::Isometry3d::Identity(), from, direction);
+}
+
+double clearHeight(const Surface& surface, const SurfaceSamples& seen, const Eigen::Vector3d& axis) {
+  std::vector<double> heights;
+  for (const Eigen::Vector3d& p : seen.positions) {
+    const double height = freeAlong(surface, p, axis) + freeAlong(surface, p, -axis);
+    if (std::isfinite(height)) heights.push_back(height);
+  }
+  return 2 * heights.size() < seen.positions.size() || heights.empty() ? 0 : median(heights);
+}
+
+/** Weight of what stands out of a floor, by how much more room is above than below it: of a table its top,
+ * not its underside. */
+double furnitureOn(const Surface& surface, const Levels& floors, const Eigen::Vector3d& up, double room) {
+  double weight = 0;
+  for (const SurfaceSample* sample : floors.rest()) {
+    const Eigen::Vector3d from = sample->point.cast<double>() + kOff * room * up;
+    const double before = std::min(1.0, freeAlong(surface, from, up) / room);
+    weight += std::max(0.0, 2 * before - 1) * sample->weight;
+  }
+  return weight;
+}
+
+/** 1 if a direction is upwards, -1 if downwards: by the ceiling that an open surface lacks, or else by what
+ * stands on floors. */
+int signOf(const Surface& surface, const Eigen::Vector3d& axis, const Levels& along, const Levels& against,
+           double room) {
+  if (along.total() > kCeilingless * against.total()) return 1;
+  if (against.total() > kCeilingless * along.total()) return -1;
+  const double a = furnitureOn(surface, along, axis, room), b = furnitureOn(surface, against, -axis, room);
+  if (a + b < kLeastFurniture) return 0;
+  return (a > kFurnished * b) - (b > kFurnished * a);
+}
+
+/** Drops axes along which nobody can stand, such as those across a corridor, if somebody can along others. */
+void dropLow(std::vector<SurfaceAxis>& axes) {
+  constexpr double kLowest = 1.9, kHighest = 20;  // of rooms [m]; if all are lower, the unit is wrong
+  const bool has_rooms = std::any_of(axes.begin(), axes.end(), [&axes](const SurfaceAxis& axis) {
+    return axis.clear_height >= kLowest && axis.clear_height <= kHighest &&
+           4 * axis.support >= axes.front().support;
+  });
+  if (!has_rooms) return;
+  const auto isLow = [](const SurfaceAxis& axis) {
+    return axis.clear_height > 0 && axis.clear_height < kLowest;
+  };
+  axes.erase(std::remove_if(axes.begin(), axes.end(), isLow), axes.end());
+}
+
+/** Of an axis, the direction that files mean by up. */
+Eigen::Vector3d usualSign(const Eigen::Vector3d& axis) {
+  for (const int k : {2, 1, 0})
+    if (std::abs(axis[k]) > std::sin(kSameAxis)) return axis[k] < 0 ? Eigen::Vector3d(-axis) : axis;
+  return axis;
+}
+
+Eigen::Vector3d upwardsAlong(const SurfaceAxis& axis) {
+  return axis.upwards != 0 ? Eigen::Vector3d(axis.upwards * axis.direction) : usualSign(axis.direction);
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> SurfaceOrientation::candidates() const {
+  std::vector<Eigen::Vector3d> found;
+  for (const SurfaceAxis& axis : axes)
+    if (kClear * axis.support >= axes.front().support) found.push_back(upwardsAlong(axis));
+  return found;
+}
+
+std::optional<Eigen::Vector3d> SurfaceOrientation::up() const {
+  const std::vector<Eigen::Vector3d> found = candidates();
+  return found.size() == 1 ? std::optional(found.front()) : std::nullopt;
+}
+
+SurfaceOrientation::Judgement SurfaceOrientation::judge(const Eigen::Vector3d& up) const {
+  Judgement judgement{Verdict::plausible, up, 0};
+  if (axes.empty()) return judgement;
+  const auto named = std::find_if(axes.begin(), axes.end(), [&](const SurfaceAxis& axis) {
+    return isAlong(axis.direction, up, kSameAxis);
+  });
+  if (named == axes.end() || kClear * named->support < axes.front().support)
+    return {Verdict::other_axis, upwardsAlong(axes.front()), axes.front().clear_height};
+  const double sign = named->direction.dot(up) < 0 ? -1 : 1;
+  judgement.clear_height = named->clear_height;
+  judgement.better = sign * named->direction;
+  if (sign * named->upwards < 0) {
+    judgement.verdict = Verdict::upside_down;
+    judgement.better *= -1;
+  } else if (!isAlong(named->direction, up, kInclined)) {
+    judgement.verdict = Verdict::inclined;
+  } else {
+    judgement.better = up;
+  }
+  return judgement;
+}
+
+SurfaceOrientation orientationOf(const Surface& surface, int threads) {
+  SurfaceOrientation found;
+  const SurfaceSamples seen = samplesFromInside(surface, threads);
+  for (const Eigen::Vector3d& direction : axesOf(seen.samples)) {
+    const double thickness = kLevel * seen.distance;
+    const Levels along(seen.samples, direction, thickness), against(seen.samples, -direction, thickness);
+    const double room = clearHeight(surface, seen, direction);
+    found.axes.push_back({direction, std::max(along.largest(), against.largest()),
+                          signOf(surface, direction, along, against, room), room});
+  }
+  std::stable_sort(found.axes.begin(), found.axes.end(),
+                   [](const SurfaceAxis& a, const SurfaceAxis& b) { return a.support > b.support; });
+  dropLow(found.axes);
+  return found;
+}
+
+}  // namespace facetloc
