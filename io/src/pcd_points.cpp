@@ -38,7 +38,7 @@ Eigen::Isometry3d poseOf(const std::vector<double>& viewpoint) {
   return T;
 }
 
-/** What is behind the header. */
+/** The data after the header. */
 std::string bodyOf(const std::filesystem::path& path, const PcdHeader& header) {
   std::ifstream in(path, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(header.dataOffset()));
@@ -161,7 +161,7 @@ std::string headerOf(const pcl::PCLPointCloud2& points) {
       names, sizes, types, counts, points.width, points.height, std::size_t(points.width) * points.height);
 }
 
-/** All values of the first field, then all of the second, ..., without what is between fields. */
+/** All values of the first field, then all of the second, ..., without padding between fields. */
 std::string columnsOf(const pcl::PCLPointCloud2& points) {
   const std::size_t n = std::size_t(points.width) * points.height;
   std::string columns;

@@ -54,7 +54,7 @@ public:
       : rest_(rest), encoding_(encoding), path_(path) {}
 
   double next(PlyNumber type) { return encoding_ == PlyHeader::Encoding::text ? word() : binary(type); }
-  /** Throws IoError unless so many numbers may follow. */
+  /** Throws IoError unless that number of values may follow. */
   void requireRoomFor(std::size_t n, PlyNumber type) const {
     if (n > rest_.size() / (encoding_ == PlyHeader::Encoding::text ? 1 : sizeOf(type))) failCutOff();
   }

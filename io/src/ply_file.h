@@ -11,8 +11,8 @@ namespace facetloc {
 // By itself, as PCL's reader and writer are in libpcl_io, which brings VTK along.
 
 /** \brief Reads a PLY file, of text or binary: the positions of its vertices, as doubles, and its faces, if
- * it has some. Throws IoError for what is no PLY file, has no positions, or ends before all that its header
- * promises. */
+ * it has some. Throws IoError for a file that is not PLY, has no positions, or ends before the data that its
+ * header promises. */
 pcl::PolygonMesh readPly(const std::filesystem::path& path);
 
 /** \brief Writes a binary PLY file of positions (x, y, z as floats), of colours if there are some (rgb), and

@@ -18,7 +18,7 @@ struct PlyProperty {
   std::string name;
   PlyNumber type;
   bool is_list = false;
-  PlyNumber length = PlyNumber::uint8;  ///< of a list
+  PlyNumber length = PlyNumber::uint8;  ///< type of a list's length
 };
 struct PlyElement {
   std::string name;
@@ -26,7 +26,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
-/** \brief The header of a PLY file, and that what follows can be all that it promises. */
+/** \brief The header of a PLY file, checked against the length of the data. */
 struct PlyHeader {
   enum class Encoding { text, little_endian, big_endian };
   /** \brief Throws IoError with that path. \param bytes of the whole file */

@@ -20,7 +20,7 @@ namespace {
 constexpr std::chrono::seconds kInterval(1);  // between writings
 constexpr std::size_t kLongest = 1 << 16;     // bytes of a file that holds a line
 constexpr std::size_t kKeptModels = 16;       // local models that a later run knows the map by
-constexpr double kSamePlace = 0.1;            // of a local model, whose pose an extension may correct [m]
+constexpr double kSamePlace = 0.1;  // tolerance: an extension may correct the pose of a local model [m]
 constexpr const char* kModelsKey = "near";
 
 std::string firstBytes(const std::filesystem::path& file) {

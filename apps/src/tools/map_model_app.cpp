@@ -61,9 +61,10 @@ void MapModelApp::addOptions(CommandLine& line) {
                  "Height of the camera above the floor [m]; 0 = as mounted, or hand-held.");
   line.addOption("units", units_, "UNIT",
                  "Unit of the MODEL's coordinates: m, cm, mm, in or ft; m unless given.");
-  line.addOption("up", up_, "AXIS",
-                 "Upward direction in the MODEL: x, y, z, --up=-x, ..., a vector x,y,z, or auto, found in the "
-                 "MODEL; z unless given.");
+  line.addOption(
+      "up", up_, "AXIS",
+      "Upward direction in the MODEL: x, y, z, --up=-x, ..., a vector x,y,z, or auto, found in the "
+      "MODEL; z unless given.");
   line.addOption("inside", inside_, "X,Y,Z",
                  "A place in the area to fill [m]; all but the one around all others unless given.");
   line.addOption("wall-height", floor_plan_.wall_height, "M",
@@ -176,7 +177,7 @@ std::string MapModelApp::parameters(const Camera& camera, const ModelFindings& f
          toIni(params_) + toIni(view_);
 }
 
-/** What the model says about the options that it was read with. */
+/** Contradictions between the model and the options it was read with. */
 std::vector<std::string> MapModelApp::doubts(const ModelFindings& found) const {
   if (isFloorPlan()) return {};
   std::vector<std::string> all{unitRemark(units_, found.orientation, found.bounds, found.up)};
@@ -204,8 +205,8 @@ Map MapModelApp::make(const Console& console) const {
   const ModelFindings& found = making.findings();
   const std::vector<std::string> doubts = this->doubts(found);
   if (map.models.empty())
-    throw IoError(model_, fmt::format("cannot be made into a map: {}{}{}", found.problem, doubts.empty() ? "" : "; ",
-                                      fmt::join(doubts, "; ")));
+    throw IoError(model_, fmt::format("cannot be made into a map: {}{}{}", found.problem,
+                                      doubts.empty() ? "" : "; ", fmt::join(doubts, "; ")));
   for (const std::string& doubt : doubts) console.note(doubt);
   if (!directionOf(up_) && viewpoints_.empty()) noteUp(found, console);
   if (found.places > 0)

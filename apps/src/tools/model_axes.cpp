@@ -116,18 +116,19 @@ std::string upRemark(const SurfaceOrientation& orientation, const Eigen::Vector3
 std::string unitRemark(const std::string& unit, const SurfaceOrientation& orientation,
                        const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& up) {
   constexpr double kLowest = 1, kHighest = 20, kUsual = 2.7;  // height of rooms [m]
-  constexpr double kSmallest = 0.5, kUsualExtent = 10;        // of a model [m]
-  constexpr double kHighestOpen = 50;                         // of one that shows no whole room [m]
+  constexpr double kSmallest = 0.5, kUsualExtent = 10;        // extents of a model [m]
+  constexpr double kHighestOpen = 50;  // greatest height of a model without a whole room [m]
   if (bounds.isEmpty()) return {};
   const Eigen::Vector3d size = bounds.sizes();
   if (size.maxCoeff() < kSmallest)
-    return toString(fmt::format("it is only {:.3g} x {:.3g} x {:.3g} m large", size.x(), size.y(), size.z()),
-                   unitFor(size.maxCoeff() / metresPer(unit), kUsualExtent));
+    return unitQuestion(
+        fmt::format("it is only {:.3g} x {:.3g} x {:.3g} m large", size.x(), size.y(), size.z()),
+        unitFor(size.maxCoeff() / metresPer(unit), kUsualExtent));
   const double rooms = orientation.judge(up).clear_height, whole = up.cwiseAbs().dot(size);
   const bool is_usual = rooms > 0 ? rooms >= kLowest && rooms <= kHighest : whole <= kHighestOpen;
   if (is_usual) return {};
   const double height = rooms > 0 ? rooms : whole;
-  return toString(
+  return unitQuestion(
       fmt::format("{} {:.{}f} m high", rooms > 0 ? "its rooms are" : "it is", height, height < 10 ? 2 : 0),
       unitFor(height / metresPer(unit), kUsual));
 }

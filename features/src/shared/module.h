@@ -5,13 +5,13 @@
 #include <string>
 
 /** \file
- * Parts that need what not everybody wants to install are modules: loaded when they are needed, or missing.
+ * Parts with large dependencies are modules: loaded when they are needed, and possibly not installed.
  */
 
 namespace facetloc::internal {
 
-/** \brief A function of a module, which stays loaded; null, and why, if there is none. It is looked for where
- * the library or program that calls this looks for its own libraries (RUNPATH). */
+/** \brief A function of a module, which stays loaded; null and the cause if it is missing. It is looked for
+ * where the library or program that calls this looks for its own libraries (RUNPATH). */
 template <class Function>
 Function* loadFunction(const char* module, const char* name, std::string& problem) {
   void* const loaded = dlopen(module, RTLD_NOW | RTLD_GLOBAL);

@@ -24,7 +24,7 @@ class FrameTree {
 public:
   /** \brief Reads all transforms, but for those of corrupt messages. */
   explicit FrameTree(const MessageLog& log);
-  /** \brief What was left out; empty if nothing was. */
+  /** \brief The messages that were left out; empty if none was. */
   const std::string& faults() const { return faults_; }
 
   /** \brief T_a_b, by fixed transforms alone; the identity if they are one frame. Nothing if they are not

@@ -56,8 +56,8 @@ public:
   void readAll(const std::string& topic, const Use& use) const {
     for (const LoggedMessage& logged : messages(topic, Message::kType)) read<Message>(logged, use);
   }
-  /** \brief As readAll(), but one that cannot be read, or used, is left out. \return what there is to say of
-   * that: a sentence without full stop, or nothing. \param use may throw IoError, and has done nothing then
+  /** \brief As readAll(), but messages that cannot be read or used are left out. \return a remark about them:
+   * a sentence without full stop, or nothing. \param use may throw IoError, and has done nothing then
    */
   template <typename Message, typename Use>
   std::string readSound(const std::string& topic, const Use& use) const {

@@ -11,7 +11,7 @@
 namespace facetloc::internal {
 namespace {
 
-/** Of one topic. \param remark what is left out is added */
+/** Poses of one topic. \param remark the number of messages left out is added */
 FrameTree::Moving odometryOf(const MessageLog& log, const std::string& topic, std::string& remark) {
   FrameTree::Moving moving;
   const std::string fault = log.readSound<OdometryMessage>(topic, [&](const OdometryMessage& message) {

@@ -10,11 +10,11 @@ namespace facetloc {
 // VTK reads meshes of formats of its own. It is large: of shared libraries, the part that needs it is a
 // module which is loaded when such a file is to be read, and which may be missing.
 
-/** \brief Reads an .stl or .vtp file. Throws IoError for what VTK complains of, or if the module is missing.
+/** \brief Reads an .stl or .vtp file. Throws IoError if VTK complains or the module is missing.
  */
 pcl::PolygonMesh readByVtk(const std::filesystem::path& path);
 
-/** \brief What the module has: reads the file into the mesh. Throws IoError. */
+/** \brief The function of the module: reads the file into the mesh. Throws IoError. */
 using VtkModelReader = void(const std::filesystem::path& path, pcl::PolygonMesh& mesh);
 extern "C" void facetloc_read_by_vtk(const std::filesystem::path& path, pcl::PolygonMesh& mesh);
 

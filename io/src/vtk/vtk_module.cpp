@@ -38,7 +38,7 @@ pcl::PolygonMesh meshOf(vtkPolyData& data) {
   return mesh;
 }
 
-/** What the reader complains of, if it does, is the cause of an IoError. */
+/** A complaint of the reader becomes the cause of an IoError. */
 template <class Reader>
 pcl::PolygonMesh read(const std::filesystem::path& path) {
   std::string complaint;

@@ -19,17 +19,18 @@ namespace {
 
 constexpr double kParallel = 8 * kDegree;   // between normals of parallel planes
 constexpr double kExact = 3 * kDegree;      // ... of the same plane
-constexpr double kSameAxis = 15 * kDegree;  // between an axis and what is meant by it
-constexpr double kInclined = 2 * kDegree;   // by which a floor is not level
-constexpr double kLeastShare = 0.03;        // of what is seen, for an axis
+constexpr double kSameAxis = 15 * kDegree;  // largest angle between an axis and a named one
+constexpr double kInclined = 2 * kDegree;   // largest inclination of a floor
+constexpr double kLeastShare = 0.03;        // least share of the visible surface for an axis
 constexpr std::size_t kMostAxes = 6;
-constexpr std::size_t kSeeds = 256;        // normals that axes are looked for at
-constexpr std::size_t kVotes = 20000;      // normals that vote for them
-constexpr double kLevel = 0.05;            // thickness of a level, of the usual distance
-constexpr double kLevelShare = 0.25;       // of the largest level that other floors, or ceilings, have
-constexpr double kCeilingless = 2;         // times as much floor as ceiling
-constexpr double kFurnished = 2.5;         // times as much on floors as under ceilings
-constexpr double kLeastFurniture = 0.004;  // of what is seen, for a sign
+constexpr std::size_t kSeeds = 256;    // normals that axes are looked for at
+constexpr std::size_t kVotes = 20000;  // normals that vote for them
+constexpr double kLevel = 0.05;        // thickness of a level, of the usual distance
+constexpr double kLevelShare =
+    0.25;                           // least size of further floors or ceilings, relative to the largest level
+constexpr double kCeilingless = 2;  // times as much floor as ceiling
+constexpr double kFurnished = 2.5;  // times as much on floors as under ceilings
+constexpr double kLeastFurniture = 0.004;  // least share of the visible surface for a sign
 constexpr double kOff = 1e-3;              // distance from a surface that is looked from, of a room's height
 constexpr double kClear = 1.5;             // times as much support as another axis
 
@@ -85,7 +86,7 @@ std::vector<Eigen::Vector3d> axesOf(const Samples& samples) {
   return axes;
 }
 
-/** What faces one direction, by its height in that direction. */
+/** The surface that faces one direction, by its height in that direction. */
 class Levels {
 public:
   Levels(const Samples& samples, const Eigen::Vector3d& facing, double thickness) {
@@ -147,7 +148,7 @@ double clearHeight(const Surface& surface, const SurfaceSamples& seen, const Eig
   return 2 * heights.size() < seen.positions.size() || heights.empty() ? 0 : median(heights);
 }
 
-/** Weight of what stands out of a floor, by how much more room is above than below it: of a table its top,
+/** Weight of objects above a floor, by how much more room is above than below them: of a table its top,
  * not its underside. */
 double furnitureOn(const Surface& surface, const Levels& floors, const Eigen::Vector3d& up, double room) {
   double weight = 0;
@@ -159,8 +160,8 @@ double furnitureOn(const Surface& surface, const Levels& floors, const Eigen::Ve
   return weight;
 }
 
-/** 1 if a direction is upwards, -1 if downwards: by the ceiling that an open surface lacks, or else by what
- * stands on floors. */
+/** 1 if a direction is upwards, -1 if downwards: by the ceiling that an open surface lacks, or else by
+ * furniture on floors. */
 int signOf(const Surface& surface, const Eigen::Vector3d& axis, const Levels& along, const Levels& against,
            double room) {
   if (along.total() > kCeilingless * against.total()) return 1;
@@ -170,9 +171,9 @@ int signOf(const Surface& surface, const Eigen::Vector3d& axis, const Levels& al
   return (a > kFurnished * b) - (b > kFurnished * a);
 }
 
-/** Drops axes along which nobody can stand, such as those across a corridor, if somebody can along others. */
+/** Drops axes along which no person can stand, such as those across a corridor, if others allow it. */
 void dropLow(std::vector<SurfaceAxis>& axes) {
-  constexpr double kLowest = 1.9, kHighest = 20;  // of rooms [m]; if all are lower, the unit is wrong
+  constexpr double kLowest = 1.9, kHighest = 20;  // heights of rooms [m]; if all are lower, the unit is wrong
   const bool has_rooms = std::any_of(axes.begin(), axes.end(), [&axes](const SurfaceAxis& axis) {
     return axis.clear_height >= kLowest && axis.clear_height <= kHighest &&
            4 * axis.support >= axes.front().support;

@@ -13,13 +13,13 @@ namespace facetloc::internal {
 namespace {
 
 constexpr int kPositions = 1500;        // spread over the bounds, those in walls and outside included
-constexpr std::size_t kMostUsed = 400;  // of those inside
-constexpr int kSide = 16;               // of each face of a cube [px]
+constexpr std::size_t kMostUsed = 400;  // positions inside the surface
+constexpr int kSide = 16;               // width of each face of a cube [px]
 constexpr double kFlat = 0.02;          // distance of a pixel from the plane of its neighbours, of its depth
 constexpr double kSurrounded = 0.5;     // share of the directions in which the surface is met, inside
 constexpr double kOpen = 0.2;           // ... of a surface that surrounds nothing
 constexpr double kFewestInside = 0.01;  // share of the positions that are inside, unless it is open
-constexpr double kNarrow = 0.25;        // of the usual distance: the inside of a wall or a cupboard
+constexpr double kNarrow = 0.25;        // share of the usual distance: inside a wall or a cupboard
 
 /** Of the Halton sequence, between 0 and 1. */
 double radicalInverse(int i, int base) {
@@ -28,7 +28,7 @@ double radicalInverse(int i, int base) {
   return value;
 }
 
-/** What is seen from one position. */
+/** The surface as seen from one position. */
 struct Surroundings {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   std::vector<SurfaceSample> samples;
@@ -36,7 +36,7 @@ struct Surroundings {
   double distance = 0;  // median
 };
 
-/** The plane through the pixels around one, seen from its camera; false where there is none. */
+/** The plane through the pixels around one, seen from its camera; false where pixels are missing. */
 bool planeAt(const DepthImage& face, int u, int v, SurfaceSample& sample) {
   const auto pointAt = [&](int x, int y) {
     return Eigen::Vector3d(static_cast<double>(face.at(x, y)) * face.camera.ray(x, y));

@@ -13,9 +13,9 @@ struct SurfaceSample {
   float weight = 0;               ///< share of all that is seen
 };
 
-/** \brief What can be seen of a surface from inside. */
+/** \brief The part of a surface that is visible from inside. */
 struct SurfaceSamples {
-  std::vector<Eigen::Vector3d> positions;  ///< from which it was looked at
+  std::vector<Eigen::Vector3d> positions;  ///< viewpoints of the samples
   std::vector<SurfaceSample> samples;
   double distance = 0;  ///< median of those seen [units of the surface]
 };

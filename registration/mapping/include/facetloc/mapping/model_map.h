@@ -54,8 +54,8 @@ struct ModelFindings {
   std::size_t places = 0;                     ///< positions where a camera can be, if they were looked for
   std::size_t outdoors = 0;                   ///< positions that were left out, in an area around all others
   bool is_open = false;                       ///< the surface shows no whole room: positions are beside it
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< by which viewpoints were looked for
-  Eigen::AlignedBox3d bounds;                     ///< of the surface [m]
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< the upward direction that viewpoints rest on
+  Eigen::AlignedBox3d bounds;                     ///< bounds of the surface [m]
   SurfaceOrientation orientation;                 ///< which way is up, as the surface itself shows it
   double overlap = 0;                             ///< with which viewpoints were chosen
   std::size_t without_segments = 0;               ///< viewpoints that became no local models

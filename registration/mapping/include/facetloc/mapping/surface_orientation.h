@@ -13,7 +13,7 @@ namespace facetloc {
 /** \brief A direction along which a surface has levels, such as floors and ceilings, or parallel walls. */
 struct SurfaceAxis {
   Eigen::Vector3d direction;  ///< unit vector, in the frame of the surface
-  /** Largest plane across the direction, as a share of what is seen from inside the surface. */
+  /** Largest plane across the direction, as a share of the surface visible from inside. */
   double support = 0;
   /** 1 if the direction is upwards, -1 if it is downwards, 0 if nothing tells. */
   int upwards = 0;
@@ -21,7 +21,7 @@ struct SurfaceAxis {
   double clear_height = 0;
 };
 
-/** \brief Which way is up in a surface, and how high its rooms are, by what can be seen from inside.
+/** \brief The upward direction of a surface and the height of its rooms, as visible from inside.
  *
  * Floors and ceilings are larger planes than walls. Furniture stands on floors: more of its surfaces face
  * upwards, and scans lack ceilings rather than floors (METHOD 18.4). */
@@ -37,7 +37,7 @@ struct SurfaceOrientation {
   /** \brief Does the surface distinguish up() from its opposite? */
   bool isSignKnown() const { return !axes.empty() && axes.front().upwards != 0; }
 
-  /** \brief What the surface says about a supposed upward direction. */
+  /** \brief The evidence of the surface about a supposed upward direction. */
   enum class Verdict {
     plausible,    ///< or unknown
     inclined,     ///< floors are level only in a direction 2 to 15 deg from it
