@@ -18,7 +18,6 @@
 #include <cstring>
 #include <fstream>
 #include <optional>
-#include <regex>
 #include <stdexcept>
 #include <string>
 

@@ -271,6 +271,13 @@ TEST_F(ModelFile, RefusesMoreTrianglesThanBytes) {
       testing::HasSubstr("more points or cells"));
 }
 
+TEST_F(ModelFile, ErrorsOfVtkAreReducedToTheirCause) {
+  const std::string cause = refusal(write("torn.stl", "solid"));
+  EXPECT_THAT(cause, testing::HasSubstr("cannot be read: STLReader: error while reading file"));
+  EXPECT_THAT(cause, testing::HasSubstr("Premature EOF"));
+  EXPECT_THAT(cause, testing::Not(testing::HasSubstr("vtkSTLReader.cxx")));
+}
+
 /** Whatever is cut off, reading ends with a mesh or with an error. */
 TEST_F(ModelFile, SurvivesFilesThatAreCutOff) {
   const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 1\nvn 0 0 1\nf 1//1 2//9 -1\nf 1 99 3\nf 0 -7 2\nf 1\n";

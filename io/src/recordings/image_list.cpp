@@ -208,7 +208,7 @@ private:
   void put(const std::string& entry, std::optional<double> stamp,
            const std::optional<Eigen::Isometry3d>& pose) {
     const fs::path path = pathOf(entry);
-    if (!isImage(path)) fail(fmt::format("{} is neither {}", entry, imageEndings(" nor ")));
+    if (!isImage(path)) fail(fmt::format("'{}' is not a depth image ({})", entry, imageEndings()));
     if (!images_.empty() && images_.front().stamp.has_value() != stamp.has_value())
       fail(fmt::format("has {} time stamp, unlike the lines before it", stamp ? "a" : "no"));
     if (!listed_.insert(path.lexically_normal()).second) return;
@@ -244,9 +244,9 @@ bool isImageList(const fs::path& path) {
   return extension == ".txt" || extension == ".lst" || extension == ".csv";
 }
 
-std::string imageEndings(const char* between) {
+std::string imageEndings() {
   std::string words = ".pcd";
-  for (const char* ending : depthFileEndings()) words += std::string(between) + ending;
+  for (const char* ending : depthFileEndings()) words += std::string(", ") + ending;
   return words;
 }
 

@@ -30,7 +30,7 @@ bool isCloud(const std::filesystem::path& path);
 /** \brief A depth image or a cloud, by its name. */
 bool isImage(const std::filesystem::path& path);
 /** \brief ".pcd, .png, ...", for messages. */
-std::string imageEndings(const char* between = ", ");
+std::string imageEndings();
 /** \brief Is it a list by its name? */
 bool isImageList(const std::filesystem::path& path);
 

@@ -14,6 +14,7 @@
 #include <vtkXMLPolyDataReader.h>
 
 #include <algorithm>
+#include <regex>
 #include <string>
 
 namespace facetloc {
@@ -38,6 +39,14 @@ pcl::PolygonMesh meshOf(vtkPolyData& data) {
   return mesh;
 }
 
+/** The cause in an error of VTK, "ERROR: In FILE, line N CLASS (ADDRESS): CAUSE", on one line. */
+std::string causeOf(std::string complaint) {
+  std::replace(complaint.begin(), complaint.end(), '\n', ' ');
+  complaint = std::regex_replace(complaint, std::regex(R"(^\w+: In .*?, line \d+ \w+ \(\w+\): *)"), "");
+  complaint.erase(complaint.find_last_not_of(' ') + 1);
+  return complaint;
+}
+
 /** A complaint of the reader becomes the cause of an IoError. */
 template <class Reader>
 pcl::PolygonMesh read(const std::filesystem::path& path) {
@@ -51,10 +60,7 @@ pcl::PolygonMesh read(const std::filesystem::path& path) {
   reader->AddObserver(vtkCommand::ErrorEvent, observer);
   reader->SetFileName(path.c_str());
   reader->Update();
-  if (!complaint.empty()) {
-    std::replace(complaint.begin(), complaint.end(), '\n', ' ');
-    throw IoError(path.string(), "cannot be read: " + complaint);
-  }
+  if (!complaint.empty()) throw IoError(path.string(), "cannot be read: " + causeOf(complaint));
   vtkPolyData* data = reader->GetOutput();
   return data && data->GetNumberOfPoints() > 0 ? meshOf(*data) : pcl::PolygonMesh();
 }
