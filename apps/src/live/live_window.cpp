@@ -41,8 +41,8 @@ std::optional<LiveCommand> commandOf(const std::string& key) {
 }
 
 std::string keysText() {
-  return "s screenshot,  r record on/off,  p or space pause,  l relocalize,  q quit;  mouse: left turns, "
-         "right moves, wheel zooms, click describes;  v resets the view";
+  return "s screenshot,  r record on/off,  p or space pause,  l relocalize,  q quit;  "
+         "mouse: left turns, right moves, wheel zooms, click tells;  v view as before";
 }
 
 struct LiveWindow::Insides {
