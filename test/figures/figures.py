@@ -250,7 +250,7 @@ def verdicts(facts):
 
 def direction(facts):
     figure = Figure(760, 350)
-    for left, key, title in ((60, "bare", "A bare corridor: nothing decides"), (435, "doors", "Niches every 1.8 m: several minima")):
+    for left, key, title in ((60, "bare", "A bare corridor: nothing decides"), (435, "doors", "Niches every 1.8 m: several answers")):
         plot = Plot(figure, (left, 60, 310, 220), (-3, 3), (-60, 4))
         figure.text(left, 24, title, 13, bold=True)
         plot.axes("motion along the corridor [m]", "log likelihood of the pixels [nats]", range(-3, 4), range(-60, 1, 20))
