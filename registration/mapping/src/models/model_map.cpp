@@ -18,6 +18,15 @@ using namespace internal;
 
 namespace {
 
+/** The error of a scan changes slowly from place to place: all of a segment shares it, so that no number of
+ * pixels averages it out. */
+void addSurfaceError(double std, std::vector<Segment>& segments) {
+  constexpr double kLength = 1;  // over which it changes by about itself [m]
+  const double slope = std / kLength;
+  for (Segment& segment : segments)
+    segment.Sigma_q.diagonal() += Eigen::Vector3d(slope * slope, slope * slope, std * std);
+}
+
 MapSurfaces surfacesOf(const Surface& surface) {
   if (surface.isIncomplete()) return MapSurfaces::incomplete;
   return surface.isDrawn() ? MapSurfaces::fixed : MapSurfaces::seen;
@@ -114,6 +123,7 @@ Map ModelMap::Impl::build() {
                      return;
                    }
                    built->camera.reset();  // the map's
+                   if (!surface->isIncomplete()) addSurfaceError(params.surface_std, built->segments);
                    const MapImage& image = run.images[i];
                    map.models.emplace_back(image.name, image.stamp, image.T_w_c, std::move(*built));
                    used.push_back(*image.T_w_c);

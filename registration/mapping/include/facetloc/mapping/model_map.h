@@ -41,8 +41,8 @@ struct ModelMapParams {
           "Maximum number of local models; overlap is reduced until it holds.", kForUsers);
     visit(
         "surface_std", p.surface_std, 0.0, DepthNoise::kLargestDepthStd,
-        "Random error of the surface, standard deviation [m], in addition to the roughness that views of it "
-        "show.",
+        "Error of the surface's position, standard deviation [m], in addition to the roughness that views of "
+        "it show.",
         kForUsers);
   }
   void validate() const { checkRanges(*this); }
