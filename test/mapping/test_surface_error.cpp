@@ -16,7 +16,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kStd = 0.02;  // of the place of a wall in the scan [m]
+constexpr double kStd = 0.02;  // error of the position of a wall in the scan [m]
 
 Camera cameraInHand() {
   Camera camera;
@@ -24,7 +24,7 @@ Camera cameraInHand() {
   return camera;
 }
 
-/** A corner of a room with a cupboard; each surface is off by what `error` draws. */
+/** A corner of a room with a cupboard; each surface is off by a sample of `error`. */
 template <class Error>
 std::shared_ptr<const MeshSurface> corner(Error error) {
   const float x = 3 + error(), y = 2 + error(), floor = error(), depth = 0.5f + error();
