@@ -221,7 +221,7 @@ class Map:
 
     @property
     def parts(self) -> List[str]:
-        """Names of the parts of which nobody knows how they lie to each other; empty for a map of one."""
+        """Names of the parts, whose relative poses are unknown; empty for a map of one."""
         return self._map.parts
 
 
@@ -248,7 +248,7 @@ class MapMaking:
 
 
 class Localizer:
-    """Where a camera is in a map: localize() for an image by itself, update() for the next one of a moving camera."""
+    """Where a camera is in a map: localize() for a single image, update() for the next one of a moving camera."""
 
     def __init__(self, map: Map, width: int = WIDTH, threads: int = 1, min_probability: Optional[float] = None):
         """min_probability: of a sure answer; unless given, as the map was calibrated, else 0.9. threads: 0 = all cores; the answer is
