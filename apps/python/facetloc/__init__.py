@@ -103,7 +103,7 @@ class Registration:
     """The pose of one camera relative to another. Act on it only if it is sure."""
     state: str  #: "sure", "doubtful" or "unknown"
     hypotheses: List[Hypothesis]  #: the most probable first; T_w_c is T_target_source
-    reason: str  #: why there is none
+    reason: str  #: cause of a missing answer; else empty
 
     @property
     def sure(self) -> bool:
