@@ -53,7 +53,7 @@ TEST_F(Tools, ModelUpsideDownIsNamed) {
                           "f 1 2 4 3\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";  // without a ceiling
   const auto saidOf = [&](const std::string& up) {
     const auto made = runMap({"from-model", model.string(), "-o", folder_ / "turned.flmap", "--overwrite",
-                              "--up=" + up, "--spacing", "2"});
+                              "--up=" + up, "--spacing", "3", "--turn_deg", "60"});
     return made.out + made.err;
   };
   EXPECT_THAT(saidOf("-y"), HasSubstr("upside down"));
@@ -73,16 +73,19 @@ TEST_F(Tools, ModelWithoutAClearUpwardDirectionAsksForIt) {
   EXPECT_EQ(made.code, kFailed);
   EXPECT_THAT(made.err, HasSubstr("do not show which direction is up"));
   for (const char* option : {"--up=x", "--up=y", "--up=z"}) EXPECT_THAT(made.err, HasSubstr(option));
-  const auto closed = runMap({"from-model", model.string(), "-o", folder_ / "cube.flmap", "--spacing", "2"});
+  const auto closed = runMap(
+      {"from-model", model.string(), "-o", folder_ / "cube.flmap", "--spacing", "3", "--turn_deg", "60"});
   EXPECT_THAT(closed.out + closed.err, testing::Not(HasSubstr("--up")));
 }
 
 TEST_F(Tools, ModelInAnotherUnitIsRemarked) {
   const fs::path model(folder_ / "room.obj");
+  const fs::path viewpoints(folder_ / "poses.txt");  // one, so that nothing large is searched
   const auto saidOf = [&](double per_metre, const std::string& unit) {
     writeRoom(model, per_metre);
+    std::ofstream(viewpoints) << "0 2 1 2 0 0 0 1\n";
     const auto made = runMap({"from-model", model.string(), "-o", folder_ / "units.flmap", "--overwrite",
-                              "--up", "y", "--units", unit, "--spacing", "2"});
+                              "--units", unit, "--viewpoints", viewpoints.string()});
     return made.out + made.err;
   };
   EXPECT_THAT(saidOf(1, "m"), testing::Not(HasSubstr("--units")));

@@ -142,7 +142,7 @@ TEST(ModelMap, SaysThatTheSurfaceIsUpsideDown) {
     making.finish();
     EXPECT_EQ(up * Eigen::Vector3d::UnitZ(), making.findings().up);
     EXPECT_EQ(up < 0 ? SurfaceOrientation::Verdict::upside_down : SurfaceOrientation::Verdict::plausible,
-              making.findings().orientation.judge(making.findings().up).verdict);
+              making.orientation().judge(making.findings().up).verdict);
   }
 }
 

@@ -16,7 +16,6 @@
 #include <facetloc/mapping/cloud_surface.h>
 #include <facetloc/mapping/mesh_surface.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <optional>
@@ -166,6 +165,7 @@ ModelMap MapModelApp::making(const Console& console) const {
   if (!inside_.empty()) making.setInside({placeOf(inside_)});
   if (height_ > 0) making.setHeights({height_});
   if (!viewpoints_.empty()) making.setViewpoints(posesIn(viewpoints_, console));
+  if (!isFloorPlan()) noteOrientation(making.orientation(), surface->bounds(), console);
   return making;
 }
 
@@ -177,24 +177,26 @@ std::string MapModelApp::parameters(const Camera& camera, const ModelFindings& f
          toIni(params_) + toIni(view_);
 }
 
-/** Contradictions between the model and the options it was read with. */
-std::vector<std::string> MapModelApp::doubts(const ModelFindings& found) const {
-  if (isFloorPlan()) return {};
-  std::vector<std::string> all{unitRemark(units_, found.orientation, found.bounds, found.up)};
-  if (viewpoints_.empty() && directionOf(up_)) all.push_back(upRemark(found.orientation, found.up));
-  if (viewpoints_.empty() && !directionOf(up_) && !found.orientation.up())
-    all.push_back("name it: " + upOptions(found.orientation));
-  all.erase(std::remove(all.begin(), all.end(), ""), all.end());
-  return all;
-}
-
-void MapModelApp::noteUp(const ModelFindings& found, const Console& console) const {
-  console.out << fmt::format("the upward direction is {}\n", toOption(found.up));
-  if (!found.orientation.isSignKnown())
+/** Contradictions between the model and the options it was read with, before the long work. */
+void MapModelApp::noteOrientation(const SurfaceOrientation& orientation, const Eigen::AlignedBox3d& bounds,
+                                  const Console& console) const {
+  const std::optional<Eigen::Vector3d> named = viewpoints_.empty() ? directionOf(up_) : std::nullopt;
+  const std::optional<Eigen::Vector3d> up = named ? named : orientation.up();
+  if (const std::string remark =
+          unitRemark(units_, orientation, bounds, up.value_or(Eigen::Vector3d::UnitZ()));
+      !remark.empty())
+    console.note(remark);
+  if (!viewpoints_.empty()) return;
+  if (!named && !up)
+    throw IoError(model_, "its planes do not show which direction is up; name it: " + upOptions(orientation));
+  if (!named) console.out << fmt::format("the upward direction is {}\n", toOption(*up));
+  if (!named && !orientation.isSignKnown())
     console.note(fmt::format(
         "nothing in it distinguishes its floors from its ceilings: if {} is down, name the upward "
         "direction with --up={}",
-        toOption(found.up), toOption(-found.up)));
+        toOption(*up), toOption(-*up)));
+  if (const std::string remark = named ? upRemark(orientation, *named) : std::string(); !remark.empty())
+    console.note(remark);
 }
 
 Map MapModelApp::make(const Console& console) const {
@@ -203,12 +205,7 @@ Map MapModelApp::make(const Console& console) const {
   making.setProgress(watch.callback());
   Map map = making.finish();
   const ModelFindings& found = making.findings();
-  const std::vector<std::string> doubts = this->doubts(found);
-  if (map.models.empty())
-    throw IoError(model_, fmt::format("cannot be made into a map: {}{}{}", found.problem,
-                                      doubts.empty() ? "" : "; ", fmt::join(doubts, "; ")));
-  for (const std::string& doubt : doubts) console.note(doubt);
-  if (!directionOf(up_) && viewpoints_.empty()) noteUp(found, console);
+  if (map.models.empty()) throw IoError(model_, "cannot be made into a map: " + found.problem);
   if (found.places > 0)
     console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
   if (found.is_open)

@@ -8,7 +8,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace facetloc {
 
@@ -26,8 +25,8 @@ private:
   std::shared_ptr<const FloorPlanSurface> floorPlan(const Console& console) const;
   ModelMap making(const Console& console) const;
   Map make(const Console& console) const;
-  std::vector<std::string> doubts(const ModelFindings& found) const;
-  void noteUp(const ModelFindings& found, const Console& console) const;
+  void noteOrientation(const SurfaceOrientation& orientation, const Eigen::AlignedBox3d& bounds,
+                       const Console& console) const;
   std::string parameters(const Camera& camera, const ModelFindings& found) const;
 
   std::string model_;

@@ -49,8 +49,10 @@ struct ModelMap::Impl {
   int width = kWorkingWidth;
   int threads = 1;
   MapProgressCallback progress;
+  std::optional<SurfaceOrientation> orientation;
   ModelFindings findings;
 
+  const SurfaceOrientation& surfaceOrientation();
   bool findUp();
   Intrinsics intrinsics() const;
   Camera viewCamera() const;
@@ -58,9 +60,14 @@ struct ModelMap::Impl {
   Map build();
 };
 
+const SurfaceOrientation& ModelMap::Impl::surfaceOrientation() {
+  if (!orientation) orientation = orientationOf(*surface, threads);
+  return *orientation;
+}
+
 /** \return false if the surface has to know and does not */
 bool ModelMap::Impl::findUp() {
-  const std::optional<Eigen::Vector3d> found = up ? up : findings.orientation.up();
+  const std::optional<Eigen::Vector3d> found = up ? up : surfaceOrientation().up();
   if (found)
     findings.up = *found;
   else
@@ -159,6 +166,7 @@ void ModelMap::setUp(const Eigen::Vector3d& up) {
   impl_->up = up.normalized();
 }
 void ModelMap::setUpBySurface() { impl_->up.reset(); }
+const SurfaceOrientation& ModelMap::orientation() { return impl_->surfaceOrientation(); }
 void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->inside = std::move(places); }
 void ModelMap::setHeights(std::vector<double> heights) { impl_->heights = std::move(heights); }
 const ModelFindings& ModelMap::findings() const { return impl_->findings; }
@@ -166,8 +174,6 @@ const ModelFindings& ModelMap::findings() const { return impl_->findings; }
 Map ModelMap::finish() {
   Impl& m = *impl_;
   m.findings = {};
-  m.findings.bounds = m.surface->bounds();
-  m.findings.orientation = orientationOf(*m.surface, m.threads);
   if (m.viewpoints)
     m.findings.viewpoints = *m.viewpoints;
   else if (m.findUp())

@@ -166,6 +166,7 @@ int signOf(const Surface& surface, const Eigen::Vector3d& axis, const Levels& al
            double room) {
   if (along.total() > kCeilingless * against.total()) return 1;
   if (against.total() > kCeilingless * along.total()) return -1;
+  if (room == 0) return 0;
   const double a = furnitureOn(surface, along, axis, room), b = furnitureOn(surface, against, -axis, room);
   if (a + b < kLeastFurniture) return 0;
   return (a > kFurnished * b) - (b > kFurnished * a);
@@ -173,7 +174,7 @@ int signOf(const Surface& surface, const Eigen::Vector3d& axis, const Levels& al
 
 /** Drops axes along which no person can stand, such as those across a corridor, if others allow it. */
 void dropLow(std::vector<SurfaceAxis>& axes) {
-  constexpr double kLowest = 1.9, kHighest = 20;  // heights of rooms [m]; if all are lower, the unit is wrong
+  constexpr double kLowest = 1.8, kHighest = 20;  // heights of rooms [m]; if all are lower, the unit is wrong
   const bool has_rooms = std::any_of(axes.begin(), axes.end(), [&axes](const SurfaceAxis& axis) {
     return axis.clear_height >= kLowest && axis.clear_height <= kHighest &&
            4 * axis.support >= axes.front().support;

@@ -55,8 +55,6 @@ struct ModelFindings {
   std::size_t outdoors = 0;                   ///< positions that were left out, in an area around all others
   bool is_open = false;                       ///< the surface shows no whole room: positions are beside it
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< the upward direction that viewpoints rest on
-  Eigen::AlignedBox3d bounds;                     ///< bounds of the surface [m]
-  SurfaceOrientation orientation;                 ///< which way is up, as the surface itself shows it
   double overlap = 0;                             ///< with which viewpoints were chosen
   std::size_t without_segments = 0;               ///< viewpoints that became no local models
   std::string problem;                            ///< reason for an empty map, in words
@@ -92,6 +90,8 @@ public:
   void setUp(const Eigen::Vector3d& up);
   /** \brief Takes the upward direction from the surface itself, as orientationOf() finds it. */
   void setUpBySurface();
+  /** \brief Which way is up, as the surface itself shows it; measured at the first call. */
+  const SurfaceOrientation& orientation();
   /** \brief Places in the frame of the surface: viewpoints are looked for in the areas that hold one of them.
    * Unless set, in all areas but one around all others, which is taken for outdoors. */
   void setInside(std::vector<Eigen::Vector3d> places);
