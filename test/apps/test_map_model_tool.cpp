@@ -62,7 +62,7 @@ TEST_F(Tools, ModelUpsideDownIsNamed) {
   EXPECT_THAT(saidOf("0,1,0.1"), HasSubstr("its floor is inclined by 5.7 deg: --up=y levels it"));
   EXPECT_THAT(saidOf("y"), testing::Not(HasSubstr("up")));
   EXPECT_THAT(saidOf("auto"), HasSubstr("the upward direction is y\n"));
-  EXPECT_THAT(runMap({"info", folder_ / "turned.flmap"}).out, HasSubstr("up = y"));
+  EXPECT_THAT(runMap({"info", folder_ / "turned.flmap", "--all"}).out, HasSubstr("up = y"));
 }
 
 TEST_F(Tools, ModelWithoutAClearUpwardDirectionAsksForIt) {
