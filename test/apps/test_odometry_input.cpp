@@ -70,7 +70,7 @@ TEST(OdometryLine, WithFaultsSaysThem) {
   EXPECT_THAT(faultOf(std::string(5000, '[')), HasSubstr("no JSON object"));
   EXPECT_THAT(faultOf("{\"stamp\":1}"), HasSubstr("neither T_w_b nor T_w_c"));
   EXPECT_THAT(faultOf("{\"stamp\":\"now\",\"T_w_b\":{}}"), HasSubstr("stamp"));
-  EXPECT_THAT(faultOf("{\"T_w_b\":5}"), HasSubstr("no object"));
+  EXPECT_THAT(faultOf("{\"T_w_b\":5}"), HasSubstr("must be an object"));
   EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2,3]}}"), HasSubstr("quaternion"));
   EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2]," + good + "}}"), HasSubstr("position"));
   EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2,\"x\"]," + good + "}}"), HasSubstr("position"));
@@ -120,7 +120,7 @@ TEST(RobotLine, SaysWhereTheCameraIs) {
 }
 
 TEST(RobotLine, ThatCannotBeObeyedSaysWhy) {
-  EXPECT_THAT(faultOfLine(poseLine("5")), HasSubstr("no object"));
+  EXPECT_THAT(faultOfLine(poseLine("5")), HasSubstr("must be an object"));
   EXPECT_THAT(faultOfLine(poseLine("{}")), HasSubstr("neither T_w_b nor T_w_c"));
   EXPECT_THAT(faultOfLine(poseLine(lineOf(ahead(1), "T_w_b", {})), {}), HasSubstr("mounting"));
   EXPECT_THAT(faultOfLine(poseAt(1, ",\"covariance\":[1,2]")), HasSubstr("21 numbers"));
