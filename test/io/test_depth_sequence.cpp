@@ -212,7 +212,7 @@ TEST_F(Sequence, ListsWithFaultsNameTheLine) {
   putPng("1.png");
   putCamera();
   putBytes(folder_ / "list.lst", "1.png\ncamera.ini\n");
-  EXPECT_THAT(openError("list.lst"), AllOf(HasSubstr("line 2"), HasSubstr("neither")));
+  EXPECT_THAT(openError("list.lst"), AllOf(HasSubstr("line 2"), HasSubstr("is not a depth image")));
   putBytes(folder_ / "list.lst", "");
   EXPECT_THAT(openError("list.lst"), HasSubstr("no depth images"));
 }
