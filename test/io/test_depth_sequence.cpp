@@ -357,7 +357,7 @@ TEST_F(Pcd, FaultsNameTheFile) {
   EXPECT_THAT(errorOf("a text\n"), HasSubstr("not a PCD"));
   EXPECT_THAT(errorOf(asciiPcd().substr(0, 60)), HasSubstr("not a PCD"));
   EXPECT_THAT(errorOf(asciiPcd().substr(0, asciiPcd().size() - 13)), HasSubstr("truncated"));
-  EXPECT_THAT(errorOf(asciiPcd("I")), HasSubstr("field x"));
+  EXPECT_THAT(errorOf(asciiPcd("I")), HasSubstr("'2.5' is no x of point 5"));
   EXPECT_THAT(errorOf(replaced(asciiPcd(), "x y z", "a b c")), HasSubstr("no field x"));
   EXPECT_THAT(errorOf(replaced(asciiPcd(), "WIDTH 3\nHEIGHT 2", "WIDTH 6\nHEIGHT 1")),
               HasSubstr("not an organized"));

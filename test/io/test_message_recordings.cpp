@@ -122,13 +122,15 @@ TEST_F(MessageRecordings, OdometryIsOfMessagesOrTf) {
 
 TEST_F(MessageRecordings, CorruptMessagesOfOdometryAreLeftOut) {
   for (const auto& [words, remarks] :
-       {std::pair<const char*, std::vector<std::string>>{"mcap tf torn", {"2 of 8 messages of /tf left out"}},
-        {"db3 torn", {"1 of 7 messages of /odom left out", "2 of 2 messages of /tf left out"}}}) {
+       {std::pair<const char*, std::vector<std::string>>{
+            "mcap tf torn", {"2 of 8 messages of /tf left out", "not a rotation"}},
+        {"db3 torn",
+         {"1 of 7 messages of /odom left out", "ends before its last field",
+          "2 of 2 messages of /tf left out"}}}) {
     const fs::path file = recording(words, Trajectory(path()));
     std::string remark;
     const Trajectory read = DepthSequence::open(file).readOdometry(file, &remark);
     for (const std::string& text : remarks) EXPECT_THAT(remark, HasSubstr(text));
-    EXPECT_THAT(remark, HasSubstr("ends before its last field"));
     ASSERT_EQ(read.poses().size(), 6u) << words;
     for (const StampedPose& pose : path())
       EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, 1e-6)) << words;

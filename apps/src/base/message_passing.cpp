@@ -14,13 +14,13 @@ const Calls& load() {
   std::string problem = "it was built without MPI";
   const auto calls =
       *FACETLOC_MPI_MODULE
-          ? internal::loadFunction<const Calls&()>(FACETLOC_MPI_MODULE, "facetloc_message_passing", problem)
+          ? internal::loadFunction<const Calls*()>(FACETLOC_MPI_MODULE, "facetloc_message_passing", problem)
           : nullptr;
   if (!calls)
     throw std::runtime_error(
         "cannot be started by mpirun: install the package facetloc-tools-mpi, or start it without (" +
         problem + ")");
-  return calls();
+  return *calls();
 }
 
 }  // namespace

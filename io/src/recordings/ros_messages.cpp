@@ -67,6 +67,7 @@ OdometryMessage OdometryMessage::read(MessageReader& message) {
   odometry.header = readHeader(message);
   odometry.child_frame = message.text();
   readReals(message, odometry.pose);
+  message.skip<double>(36 + 6 + 36);  // covariances and twist, which a message that is cut off lacks
   return odometry;
 }
 
