@@ -121,8 +121,8 @@ public:
     mesh.cloud.height = 1;
     mesh.cloud.width = static_cast<std::uint32_t>(positions_.size() / 3);
     mesh.cloud.point_step = kStep;
-    mesh.cloud.data.resize(positions_.size() * sizeof(double));
-    std::memcpy(mesh.cloud.data.data(), positions_.data(), mesh.cloud.data.size());
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(positions_.data());
+    mesh.cloud.data.assign(bytes, bytes + positions_.size() * sizeof(double));
     mesh.polygons = std::move(faces_);
     return mesh;
   }

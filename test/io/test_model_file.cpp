@@ -230,6 +230,9 @@ TEST_F(ModelFile, RefusesPlyFilesWithoutPositions) {
 }
 
 TEST_F(ModelFile, RefusesFilesThatAreNoModel) {
+  std::string pointless = kPlyHead;
+  pointless.replace(pointless.find("vertex 4"), 8, "vertex 0");
+  EXPECT_NE("", refusal(write("pointless.ply", pointless + "3 0 1 2\n3 0 3 1\n")));
   EXPECT_NE("", refusal(folder_ / "missing.ply"));
   EXPECT_EQ("is empty", refusal(write("empty.obj", "")));
   EXPECT_NE(std::string::npos, refusal(write("a.dwg", "x")).find(".ply, .obj"));
