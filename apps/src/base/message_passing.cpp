@@ -14,7 +14,7 @@ const Calls& load() {
   std::string problem = "it was built without MPI";
   const auto calls =
       *FACETLOC_MPI_MODULE
-          ? internal::loadFunction<const Calls*()>(FACETLOC_MPI_MODULE, "facetloc_message_passing", problem)
+          ? internal::loadFunction<const Calls*()>(FACETLOC_MPI_MODULE, "facetlocMessagePassing", problem)
           : nullptr;
   if (!calls)
     throw std::runtime_error(

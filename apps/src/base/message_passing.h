@@ -38,6 +38,6 @@ struct Calls {
   void (*flush)();
   std::optional<std::string> (*receive)(int from, const std::function<bool()>& givesUp);
 };
-extern "C" const Calls* facetloc_message_passing();
+extern "C" const Calls* facetlocMessagePassing();
 
 }  // namespace facetloc::mpi

@@ -99,7 +99,7 @@ std::optional<std::string> receive(int from, const std::function<bool()>& givesU
 
 }  // namespace mpi_calls
 
-extern "C" const Calls* facetloc_message_passing() {
+extern "C" const Calls* facetlocMessagePassing() {
   static const Calls calls{mpi_calls::join, mpi_calls::leave, mpi_calls::abort,
                            mpi_calls::send, mpi_calls::flush, mpi_calls::receive};
   return &calls;

@@ -12,7 +12,7 @@ pcl::PolygonMesh readByVtk(const std::filesystem::path& path) {
 #ifdef FACETLOC_VTK_MODULE
   std::string problem;
   const auto read =
-      internal::loadFunction<VtkModelReader>(FACETLOC_VTK_MODULE, "facetloc_read_by_vtk", problem);
+      internal::loadFunction<VtkModelReader>(FACETLOC_VTK_MODULE, "facetlocReadByVtk", problem);
   if (!read)
     throw IoError(path.string(),
                   "is read by VTK, whose part of facetloc cannot be loaded: install the package "
@@ -20,7 +20,7 @@ pcl::PolygonMesh readByVtk(const std::filesystem::path& path) {
                       problem + ")");
   read(path, mesh);
 #else
-  facetloc_read_by_vtk(path, mesh);
+  facetlocReadByVtk(path, mesh);
 #endif
   return mesh;
 }

@@ -16,6 +16,6 @@ pcl::PolygonMesh readByVtk(const std::filesystem::path& path);
 
 /** \brief The function of the module: reads the file into the mesh. Throws IoError. */
 using VtkModelReader = void(const std::filesystem::path& path, pcl::PolygonMesh& mesh);
-extern "C" void facetloc_read_by_vtk(const std::filesystem::path& path, pcl::PolygonMesh& mesh);
+extern "C" void facetlocReadByVtk(const std::filesystem::path& path, pcl::PolygonMesh& mesh);
 
 }  // namespace facetloc

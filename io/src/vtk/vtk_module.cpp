@@ -67,7 +67,7 @@ pcl::PolygonMesh read(const std::filesystem::path& path) {
 
 }  // namespace
 
-extern "C" void facetloc_read_by_vtk(const std::filesystem::path& path, pcl::PolygonMesh& mesh) {
+extern "C" void facetlocReadByVtk(const std::filesystem::path& path, pcl::PolygonMesh& mesh) {
   const std::string ending = path.extension().string();
   const bool is_stl = ending.size() == 4 && (ending[1] == 's' || ending[1] == 'S');
   mesh = is_stl ? read<vtkSTLReader>(path) : read<vtkXMLPolyDataReader>(path);
