@@ -11,8 +11,7 @@ pcl::PolygonMesh readByVtk(const std::filesystem::path& path) {
   pcl::PolygonMesh mesh;
 #ifdef FACETLOC_VTK_MODULE
   std::string problem;
-  const auto read =
-      internal::loadFunction<VtkModelReader>(FACETLOC_VTK_MODULE, "facetlocReadByVtk", problem);
+  const auto read = internal::loadFunction<VtkModelReader>(FACETLOC_VTK_MODULE, "facetlocReadByVtk", problem);
   if (!read)
     throw IoError(path.string(),
                   "is read by VTK, whose part of facetloc cannot be loaded: install the package "

@@ -7,6 +7,7 @@
 #include <pcl/point_types.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCellArray.h>
+#include <vtkExecutive.h>
 #include <vtkIdList.h>
 #include <vtkNew.h>
 #include <vtkPolyData.h>
@@ -54,10 +55,12 @@ pcl::PolygonMesh read(const std::filesystem::path& path) {
   const vtkNew<vtkCallbackCommand> observer;
   observer->SetClientData(&complaint);
   observer->SetCallback([](vtkObject*, unsigned long, void* client, void* text) {
-    if (text) *static_cast<std::string*>(client) = static_cast<const char*>(text);
+    auto& first = *static_cast<std::string*>(client);
+    if (text && first.empty()) first = static_cast<const char*>(text);
   });
   const vtkNew<Reader> reader;
   reader->AddObserver(vtkCommand::ErrorEvent, observer);
+  reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, observer);  // repeats it, and would print it
   reader->SetFileName(path.c_str());
   reader->Update();
   if (!complaint.empty()) throw IoError(path.string(), "cannot be read: " + causeOf(complaint));
