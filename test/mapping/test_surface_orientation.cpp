@@ -75,8 +75,9 @@ TEST(SurfaceOrientation, IsFoundHoweverAPlaceIsTurned) {
   std::normal_distribution<double> normal;
   for (const auto& [name, seed] : kPlaces) {
     const pcl::PolygonMesh upright = placeMesh(name, seed);
-    const Eigen::Matrix3d R = turn(60 + 60 * std::abs(normal(random)),
-                                   Eigen::Vector3d(normal(random), normal(random), normal(random)));
+    // One after the other: compilers evaluate arguments in different orders.
+    const double z = normal(random), y = normal(random), x = normal(random), degrees = normal(random);
+    const Eigen::Matrix3d R = turn(60 + 60 * std::abs(degrees), Eigen::Vector3d(x, y, z));
     const Eigen::Vector3d up = R * Eigen::Vector3d::UnitZ();
     const SurfaceOrientation found = orientationOfMesh(transformed(upright, R));
     ASSERT_TRUE(found.up()) << name;
