@@ -3,6 +3,7 @@
 
 #include "lzf.h"
 #include "shared/text.h"
+#include "word_reader.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -83,22 +84,6 @@ bool putNumber(const Field& field, std::string_view word, std::uint8_t* place) {
     return put<double>(word, place);
   }
 }
-
-/** The words of a text, one after the other. */
-class WordReader {
-public:
-  explicit WordReader(std::string_view rest) : rest_(rest) {}
-  /** Empty at the end. */
-  std::string_view next() {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(text::kBlank), rest_.size()));
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(text::kBlank));
-    rest_.remove_prefix(word.size());
-    return word;
-  }
-
-private:
-  std::string_view rest_;
-};
 
 void readText(const std::string& body, const PcdHeader& header, const std::string& path,
               std::vector<std::uint8_t>& data) {

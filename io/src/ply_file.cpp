@@ -4,6 +4,7 @@
 #include "files.h"
 #include "ply_header.h"
 #include "shared/text.h"
+#include "word_reader.h"
 
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>
@@ -64,10 +65,10 @@ private:
     throw IoError(path_, "is cut off: its data end before all that its header promises");
   }
   double word() {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(text::kBlank), rest_.size()));
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(text::kBlank));
+    WordReader words(rest_);
+    const std::string_view word = words.next();
     if (word.empty()) failCutOff();
-    rest_.remove_prefix(word.size());
+    rest_ = words.rest();
     const auto number = text::to<double>(word);
     if (!number) throw IoError(path_, fmt::format("has '{}' where its header promises a number", word));
     return *number;

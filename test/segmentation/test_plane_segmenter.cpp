@@ -150,8 +150,7 @@ TEST_P(EverySplit, AStepOfOneDisparityUnitDoesNot) {
   }
 }
 
-// Pixels with the label of another face than the true one although no other face is within this distance
-// in pixels.
+// Number of wrong labels among the pixels that are farther than this distance [px] from any other true face.
 int errorsInside(const LabelImage& labels, const LabelImage& truth, int distance) {
   std::vector<std::vector<int>> meets(labels.maxLabel() + 1, std::vector<int>(truth.maxLabel() + 1, 0));
   for (std::size_t i = 0; i < labels.label.size(); ++i) ++meets[labels.label[i]][truth.label[i]];

@@ -19,8 +19,8 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
     return T;
   };
   const int half = std::max(1, static_cast<int>(std::lround(params.range / params.step)));
-  // The number of shared pixels depends on the position and is no evidence for it; the agreement
-  // of the shared ones counts. Otherwise a bare corridor would be found where the overlap is largest.
+  // The share of agreeing pixels among the shared ones is the evidence. Their number is none: it depends on
+  // the position, and would place a view of a bare corridor where the overlap is largest.
   std::vector<DepthAgreement> found;
   int largest = 0;
   for (int i = -half; i <= half; ++i) {
