@@ -30,7 +30,7 @@ constexpr double kLevelShare =
     0.25;                           // least size of further floors or ceilings, relative to the largest level
 constexpr double kCeilingless = 2;  // times as much floor as ceiling
 constexpr double kFurnished = 2.5;  // times as much on floors as under ceilings
-constexpr double kLeastFurniture = 0.004;  // least share of the visible surface for a sign
+constexpr double kLeastFurniture = 0.006;  // least share of the visible surface for a sign
 constexpr double kOff = 1e-3;              // distance from a surface that is looked from, of a room's height
 constexpr double kClear = 1.5;             // times as much support as another axis
 
