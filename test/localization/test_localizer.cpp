@@ -204,6 +204,37 @@ TEST_F(SequenceInARoom, CloudsAndImagesAreSeenAsViewsAre) {
   }
 }
 
+/** After a minute in the dark the camera may be anywhere: the first view that is sure decides. */
+TEST_F(SequenceInARoom, AfterAGapTheImageDecides) {
+  Localizer localizer(map);
+  double stamp = 0;
+  for (int i = 0; i < 20; ++i) localizer.update(views[i], stamp += kFrame);
+  const LocalizerAnswer after = localizer.update(views[50], stamp += 60);
+  EXPECT_TRUE(isNearTo(after, truth[50], 0.1, 2));
+  EXPECT_EQ(after.state, AnswerState::sure) << after.reason;
+}
+
+/** One rule: probable enough, and fixed. */
+TEST_F(SequenceInARoom, SureMeansProbableAndFixed) {
+  GlobalLocalizationParams strict;
+  strict.sure.max_translation = 1e-3;
+  const LocalizerAnswer single = Localizer(map, {}, strict).localize(views[0]);
+  EXPECT_EQ(single.state, AnswerState::doubtful);
+  EXPECT_GT(single.hypotheses.front().probability, 0.9);
+  EXPECT_THAT(single.reason, HasSubstr("the place is known, the pose is not: nothing in view fixes"));
+  for (const GlobalLocalizationParams& params : {GlobalLocalizationParams(), strict}) {
+    Localizer localizer(map, {}, params);
+    double stamp = 0;
+    for (const View& view : views) {
+      const LocalizerAnswer answer = localizer.update(view, stamp += kFrame);
+      ASSERT_FALSE(answer.hypotheses.empty());
+      const Hypothesis& best = answer.hypotheses.front();
+      const Matrix6d P = (*map->models[best.model].T_w_m * best.T_m_c).P;
+      EXPECT_EQ(answer.state == AnswerState::sure, best.probability >= 0.9 && params.sure.hold(P));
+    }
+  }
+}
+
 TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
   for (const double stamp : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
     Localizer sequence(map);
@@ -602,6 +633,44 @@ TEST_F(BeliefInARoom, AMotionOfTwoAnswersMakesTwoPlaces) {
   EXPECT_GT(belief.places()[0].probability,
             0.9 * (belief.places()[0].probability +
                    (belief.places().size() > 1 ? belief.places()[1].probability : 0)));
+}
+
+TEST_F(BeliefInARoom, AJumpMovesOddsToNowhere) {
+  PlaceBelief belief(map, {}, {});
+  belief.inject(0, {truth[0], 1e-4 * Matrix6d::Identity()}, 3);
+  const double before = belief.places().front().probability;
+  Motion motion = Motion::known({truth[0].inverse() * truth[3], 1e-5 * Matrix6d::Identity()});
+  motion.none = 0.3;
+  belief.move(motion);
+  ASSERT_EQ(belief.places().size(), 1u);
+  EXPECT_NEAR(belief.places().front().probability, 0.7 * before, 1e-9);
+}
+
+/** Log odds of the view against all else, less four nats for a motion that leads elsewhere. */
+TEST_F(BeliefInARoom, ASureViewOfAnotherPlaceIsHeard) {
+  PlaceBelief belief(map, {}, {});
+  belief.inject(0, {truth[0], 1e-4 * Matrix6d::Identity()}, 7);
+  const double nowhere = 1 - belief.places().front().probability;
+  Localization found = GlobalLocalization(map).localize(views[30]);
+  ASSERT_EQ(found.state(), AnswerState::sure);
+  Hypothesis sure = found.hypotheses.front();
+  sure.probability = 0.99;
+  belief.hear(sure);
+  ASSERT_EQ(belief.places().size(), 2u);
+  const double heard = std::exp(std::log(99) - 4), all = 1 + heard;
+  EXPECT_THAT(belief.places()[0].T_w_c.T, test::PoseNear(truth[30], 0.05, 1));
+  EXPECT_NEAR(belief.places()[0].probability, heard / all, 1e-3);
+  EXPECT_NEAR(belief.places()[1].probability, (1 - nowhere) / all, 1e-3);
+}
+
+TEST_F(BeliefInARoom, ASureViewOfTheSamePlaceChangesNoOdds) {
+  PlaceBelief belief(map, {}, {});
+  belief.inject(0, {truth[30], 1e-4 * Matrix6d::Identity()}, 1);
+  const double before = logOdds(belief);
+  Localization found = GlobalLocalization(map).localize(views[30]);
+  ASSERT_EQ(found.state(), AnswerState::sure);
+  belief.hear(found.hypotheses.front());
+  EXPECT_EQ(logOdds(belief), before);
 }
 
 TEST_F(BeliefInARoom, TheViewIsAskedNearAPlaceThatIsWrong) {

@@ -120,6 +120,19 @@ TEST(RankPlaces, AmbiguousMapsMoreLikelyLackTheRightPlace) {
   EXPECT_NEAR(nullScore(params, kEven, MapAmbiguity{40, 1000000}, {}), -15 + 0.5 * 40, 1e-3);
 }
 
+/** Where the map's own views show that wrong places score low, little is needed to be sure. */
+TEST(RankPlaces, DistinctMapsAreBelievedSooner) {
+  ProbabilityCalibration params;
+  params.least_null_score = -15, params.usual_ambiguity = 10, params.distinct_weight = 0.5;
+  params.distinct_views = 5, params.distinct_scale = 30, params.slope = 0.1;
+  const MapAmbiguity distinct{-80, 10};  // with the usual: (10 * -80 + 5 * 10) / 15 = -50
+  EXPECT_DOUBLE_EQ(nullScore(params, kEven, distinct, {}), -15 + 0.5 * -50);
+  const ProbabilityParams mostly{0.9};
+  EXPECT_NEAR(nullScore(params, mostly, distinct, {}) - nullScore(params, kEven, distinct, {}),
+              std::log(9) / (0.1 * std::exp(50.0 / 30)), 1e-9)
+      << "beta grows by exp(-A / distinct_scale)";
+}
+
 /** Prior odds of the map holding the place or not are the odds of the answer, all else equal. */
 TEST(RankPlaces, AMapThatIsKnownToBeCompleteIsBelievedMore) {
   const ProbabilityCalibration params;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motion/camera_motion.h"
 
-#include "motion/step_prior.h"
 #include "shared/pose_fusion.h"
 #include "shared/pose_radius.h"
 
@@ -21,6 +20,20 @@ constexpr double kClearAgreement = 0.9, kClearOverlap = 0.6;
 constexpr double kGate = chiSquareQuantile(6, 0.999);
 constexpr std::size_t kMostModes = 4;
 constexpr double kMostDoubt = 4;  // that an odometry can raise: one step of fifty is wrong [nats]
+
+// The probability that a camera which nothing has watched for a time is where no motion would have taken it:
+// it was switched off, covered or carried.
+double probabilityOfJump(double dt) {
+  constexpr double kUsual = 1, kMeanTime = 5;  // interval of slow recordings, mean time until a jump [s]
+  return 1 - std::exp(-std::max(0.0, dt - kUsual) / kMeanTime);
+}
+
+// A motion that the images alone show, so that it says how the camera moves.
+bool isCertain(const Motion& motion) {
+  constexpr double kProbable = 0.95, kLargestStd = 0.1;  // [m]
+  return motion.source == Motion::Source::seen && motion.modes.front().probability >= kProbable &&
+         largestTranslationStd(motion.likeliest().P) <= kLargestStd;
+}
 
 // The motion between two views, combined with the prior.
 PoseWithCovariance withPrior(const PlacedView& placed, const PoseWithCovariance& prior) {
@@ -57,6 +70,7 @@ CameraMotion::CameraMotion(const ViewOdometryParams& params)
 void CameraMotion::reset() {
   odometry_.reset();
   before_.reset();
+  velocity_ = {};
 }
 
 // No modes if the two images do not show the same.
@@ -87,7 +101,7 @@ Motion CameraMotion::next(const std::shared_ptr<const View>& view, double dt,
   const bool shows_anything = !view->segments.empty() || !view->depth.empty();
   if (shows_anything && (dt > kLongStep || film.broken)) {
     const auto mounting = view->camera ? view->camera->mounting : std::nullopt;
-    PoseWithCovariance prior{Eigen::Isometry3d::Identity(), motionPrior(dt, mounting)};
+    PoseWithCovariance prior = velocity_.next(dt, mounting);
     if (given)
       prior.T = given->T;
     else if (!film.broken && dt <= kLongStep)
@@ -107,6 +121,11 @@ Motion CameraMotion::next(const std::shared_ptr<const View>& view, double dt,
       out.source = given || !before_ ? Motion::Source::guessed : Motion::Source::broken;
     }
   }
+  out.none = given ? 0 : probabilityOfJump(dt);
+  if (isCertain(out))
+    velocity_.add(out.likeliest().T, dt);
+  else
+    velocity_.interrupt();
   before_ = shows_anything ? view : nullptr;  // an older one would cover more than this motion
   if (!given) return out;
   // The wheels may be right, or somebody carries the robot: the views tell nothing.

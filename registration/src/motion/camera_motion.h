@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "motion/velocity_prior.h"
 #include "motion/view_odometry.h"
 #include "motion/view_placing.h"
 
@@ -26,6 +27,7 @@ struct Motion {
   std::vector<MotionMode> modes{MotionMode{}};  ///< likeliest first, never empty
   Source source = Source::guessed;
   double agreement = 0;  ///< share of the depth pixels that confirm the likeliest mode; 0 if unknown
+  double none = 0;       ///< probability that the camera did something else than any of the modes
 
   /** \brief One answer, whoever has given it. */
   static Motion known(const PoseWithCovariance& T_a_b, double agreement = 0) {
@@ -53,6 +55,7 @@ private:
 
   ViewOdometry odometry_;
   ViewPlacing placing_;
+  VelocityPrior velocity_;
   std::shared_ptr<const View> before_;
 };
 

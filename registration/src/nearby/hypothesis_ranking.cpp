@@ -316,6 +316,14 @@ void assignProbabilities(double slope, double null_score, std::vector<Hypothesis
   }
 }
 
+void concludePose(const PoseLimits& limits, Localization& answer) {
+  if (answer.hypotheses.empty()) return;
+  const Hypothesis& first = answer.hypotheses.front();
+  answer.fixes_pose = limits.hold(first.T_m_c.P);
+  if (!answer.fixes_pose)
+    answer.reason = limits.whyNotFixed(first.T_m_c.P, first.T_m_c.T.linear().transpose());
+}
+
 ScoreOdds oddsOfPair(const RegistrationParams& params, bool evidence) {
   const PairProbabilityCalibration& p = params.calibration.pair_probability;
   const double slope = evidence ? p.slope : p.segments_slope;

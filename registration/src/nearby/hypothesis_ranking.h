@@ -162,6 +162,9 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
  * probability on. */
 void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
 
+/** \brief Sets whether the covariance of the first pose fixes it, and the reason if it does not. */
+void concludePose(const PoseLimits& limits, Localization& answer);
+
 /** \brief Odds of the score of a pose of two views. */
 ScoreOdds oddsOfPair(const RegistrationParams& params, bool evidence);
 

@@ -85,13 +85,9 @@ struct PairRegistration::Impl {
     if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
   }
 
-  /** A noisier camera's poses count as complete with larger errors, which are too large for a sure answer;
-   * and two views whose pixels mostly disagree do not show the same, however well some planes fit. */
-  bool isFixed(const Hypothesis& h) const {
-    const Matrix6d& P = h.T_m_c.P;
-    if (h.coverage.compared > 0 && h.coverage.agreeing < kLeastAgreeing) return false;
-    return largestRotationStd(P) <= params.tree.complete_rotation_deg * kDegree &&
-           largestTranslationStd(P) <= params.tree.complete_translation;
+  /** Two views whose pixels mostly disagree do not show the same, however well some planes fit. */
+  static bool agree(const Hypothesis& h) {
+    return !(h.coverage.compared > 0 && h.coverage.agreeing < kLeastAgreeing);
   }
 
   /** Candidates where planes alone have no sure answer: poses that they leave open, by where their
@@ -158,7 +154,11 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
     }
   }
   impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
-  if (!answer.hypotheses.empty()) answer.fixes_pose = impl_->isFixed(answer.hypotheses.front());
+  concludePose(impl_->params.sure, answer);
+  if (!answer.hypotheses.empty() && !Impl::agree(answer.hypotheses.front())) {
+    answer.fixes_pose = false;
+    answer.reason = "the depth of the two views disagrees at this pose";
+  }
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
   return answer;
 }

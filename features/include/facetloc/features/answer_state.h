@@ -16,11 +16,12 @@ enum class AnswerState {
 /** \brief Probability from which on an answer is sure, unless the user chooses another. */
 constexpr double kMinProbability = 0.9;
 
-/** \brief State of an answer whose best pose has a probability, by the rule above.
+/** \brief The one rule for the state of an answer: sure if the best place is probable enough and its
+ * covariance fixes the pose (PoseLimits).
  * \param not_in_map probability that the map lacks the place: 1 minus those of all poses
  * \param min_probability of a sure pose */
-constexpr AnswerState stateByProbability(double best, double not_in_map, double min_probability) {
-  if (best >= min_probability) return AnswerState::sure;
+constexpr AnswerState stateOf(double best, bool fixes_pose, double not_in_map, double min_probability) {
+  if (fixes_pose && best >= min_probability) return AnswerState::sure;
   return not_in_map > 0.5 ? AnswerState::unknown : AnswerState::doubtful;
 }
 constexpr const char* kNotInMap = "the map more likely lacks this place than holds it";

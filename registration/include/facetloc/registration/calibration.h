@@ -119,7 +119,11 @@ struct ProbabilityCalibration {
   double null_score = 21;
   double least_null_score = -13;
   double ambiguity_weight = 0.29;
+  double distinct_weight = 0.6;
+  double distinct_scale = 30;
   double usual_ambiguity = 5;
+  double usual_views = 20;
+  double distinct_views = 5;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -134,8 +138,15 @@ struct ProbabilityCalibration {
           "Smallest null score, however low the runners-up score [nats].");
     visit("ambiguity_weight", p.ambiguity_weight, 0.0, 10.0,
           "Weight of the scores that wrong places have for the map's own views, in the null score.");
+    visit("distinct_weight", p.distinct_weight, 0.0, 10.0,
+          "The same weight where these scores are negative: no two places of the map look the same.");
+    visit("distinct_scale", p.distinct_scale, 1.0, 1e4,
+          "Negative score of wrong places at which beta has grown by a factor of e [nats].");
     visit("usual_ambiguity", p.usual_ambiguity, -1e4, 1e4,
           "Score of wrong places in a map whose ambiguity was not measured [nats].");
+    visit("usual_views", p.usual_views, 0.0, 1e4,
+          "Number of own views of a map beside which the usual score counts as much as theirs.");
+    visit("distinct_views", p.distinct_views, 0.0, 1e4, "The same number where theirs is the lower one.");
   }
 };
 

@@ -42,17 +42,16 @@ struct Hypothesis {
   double evidence = 0;     ///< depth evidence of nearby local models [nats]; replaces free_space
   double score = 0;        ///< the list is sorted by it
   Coverage coverage;       ///< shares of the view, with evidence of local models
-  double probability = 0;  ///< that this place is the right one; close to a better pose, that one has it all
+  double probability = 0;  ///< probability of this place; 0 for a near-duplicate of a better pose
 };
 
 /** \brief The answer of localization or registration: a ranked list, or the reason why it is empty. */
 struct Localization {
   std::vector<Hypothesis> hypotheses;  ///< best first
-  std::string reason;                  ///< Cause of an empty list; else empty.
+  std::string reason;                  ///< cause of an empty list, or of a pose that is not fixed; else empty
   CameraDifference camera;             ///< how the view's camera differs from the map's
   bool has_probabilities = true;       ///< false if scores are overlaps, whose probabilities mean nothing
-  bool fixes_pose =
-      true;  ///< false if the first pose is known too roughly to be sure, whatever its probability
+  bool fixes_pose = true;              ///< the covariance of the first pose is within PoseLimits
 
   /** \brief Probability that the map lacks the place: 1 minus those of all hypotheses. Empty without
    * probabilities. */
@@ -62,12 +61,11 @@ struct Localization {
     for (const Hypothesis& h : hypotheses) left -= h.probability;
     return std::max(0.0, left);
   }
-  /** \brief Sure if the first pose is fixed and reaches min_probability; unknown without a hypothesis, and if
-   * the map more likely lacks the place than holds it. */
+  /** \brief The state by stateOf(); unknown without a hypothesis, at most doubtful without probabilities. */
   AnswerState state(double min_probability = kMinProbability) const {
     if (hypotheses.empty()) return AnswerState::unknown;
     if (!has_probabilities) return AnswerState::doubtful;
-    return stateByProbability(fixes_pose ? hypotheses.front().probability : 0, *notInMap(), min_probability);
+    return stateOf(hypotheses.front().probability, fixes_pose, *notInMap(), min_probability);
   }
 };
 

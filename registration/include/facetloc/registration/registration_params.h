@@ -6,6 +6,7 @@
 #include <facetloc/registration/pose_prior.h>
 
 #include <cmath>
+#include <string>
 
 namespace facetloc {
 
@@ -66,6 +67,29 @@ struct PlaceRefinementParams {
   void validate() const { checkRanges(*this); }
 };
 
+/** \brief Limits on the uncertainty of a pose that one may act on. A sure answer is within them, whatever its
+ * probability (localization/METHOD 11.8). */
+struct PoseLimits {
+  static constexpr const char* kTitle = "Uncertainty of a sure answer";
+  double max_translation = 0.3;
+  double max_rotation_deg = 5;
+
+  /** \brief True if a covariance of a pose is within the limits. */
+  bool hold(const Matrix6d& P) const;
+  /** \brief "nothing in view fixes translation along (1.00, 0.00, 0.00)", of a pose that is not within them.
+   * \param R turns axes of the frame of P into those of the words */
+  std::string whyNotFixed(const Matrix6d& P, const Eigen::Matrix3d& R) const;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("max_translation", p.max_translation, 1e-3, 100.0,
+          "Maximum position uncertainty of a sure answer, two standard deviations [m].", kForUsers);
+    visit("max_rotation_deg", p.max_rotation_deg, 1e-3, 180.0,
+          "Maximum orientation uncertainty of a sure answer, two standard deviations [deg].", kForUsers);
+  }
+  void validate() const { checkRanges(*this); }
+};
+
 /** \brief From scores to probabilities. */
 struct ProbabilityParams {
   static constexpr const char* kTitle = "Probability of a place";
@@ -115,6 +139,7 @@ struct RegistrationParams : ViewRegistrationParams {
   MergingParams merging;
   PlaceRefinementParams refinement;
   ProbabilityParams probability;
+  PoseLimits sure;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -128,6 +153,7 @@ struct RegistrationParams : ViewRegistrationParams {
     visit("merging", p.merging);
     visit("refinement", p.refinement);
     visit("probability", p.probability);
+    visit("sure", p.sure);
   }
   /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
   void validate() const { checkRanges(*this), calibration.validate(); }

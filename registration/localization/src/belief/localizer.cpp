@@ -28,7 +28,9 @@ constexpr double kContradiction = 1;
 constexpr double kPatience = 1;       // with a map that contradicts the place that is followed [s]
 constexpr double kCheckInterval = 2;  // between searches of the whole map while that place is in doubt [s]
 constexpr double kWaiting = 1;        // between looks of a camera that stands and is not sure [s]
-constexpr double kLikely = 0.5;       // probability of a place that is still known, be it sure or not
+constexpr const char* kPlaceKnown = "the place is known, the pose is not: ";
+constexpr double kJump = 0.01;   // probability of a jump from which on the whole map is searched
+constexpr double kLikely = 0.5;  // probability of a place that is still known, be it sure or not
 
 void requireProbabilities(const GlobalLocalizationParams& params) {
   if (params.score.by_overlap)
@@ -84,20 +86,23 @@ struct Localizer::Impl {
   void see(Step& step);
   void follow(Step& step);
   void search(Step& step);
-  void lookAround(const Step& step);
+  void lookAround(Step& step);
   void reset();
   void forget();  // the places and all that was seen there
 
   bool anyPose() const;
   bool isLikely() const;
   bool isSure() const;
-  bool isSure(double probability, const Matrix6d& P, int looks) const;
-  bool isSureByItself(const Localization& found) const;
+  bool isSure(const Localization& found) const;
+  bool isFirst(const Hypothesis& h) const;
+  void hear(const Localization& found);
   PoseWithCovariance poseOf(const Hypothesis& h) const;
   void list(const PlaceBelief& of, LocalizerAnswer& out) const;
   LocalizerAnswer localizeNear(const View& view, const PoseWithCovariance& T_w_c, int part) const;
   void requirePart(const PoseWithCovariance& T_w_c, int part) const;
   LocalizerAnswer answer(const Step& step);
+  void share(double of_first, LocalizerAnswer& answer) const;
+  void doubt(LocalizerAnswer& answer) const;
   void conclude(LocalizerAnswer& answer) const;
   bool isKnown(const LocalizerAnswer& answer) const;
   void track(LocalizerAnswer& answer);
@@ -111,11 +116,12 @@ struct Localizer::Impl {
   PlaceBelief belief;
   PlaceFollowing following;
   CameraMotion motion;
-  bool by_itself = false;  // the latest view that was searched for is sure, and of the first place
   bool is_known = false, was_known = false;  // a place: since when it was sure, and ever
   std::optional<double> stamp, contradicted_since;
   double latest_look = -std::numeric_limits<double>::infinity(), next_check = latest_look;  // [s]
-  Camera camera;  // camera of clouds and images
+  double own_probability = 0;  // the first place by the latest look alone, if sure
+  int looks_around = 0;        // looks since the whole map was searched
+  Camera camera;               // camera of clouds and images
   std::optional<ViewBuilder> builder;
 };
 
@@ -123,7 +129,8 @@ void Localizer::Impl::reset() {
   forget();
   motion.reset();
   stamp.reset();
-  by_itself = is_known = was_known = false;
+  is_known = was_known = false;
+  own_probability = 0;
 }
 
 void Localizer::Impl::forget() {
@@ -138,26 +145,17 @@ bool Localizer::Impl::anyPose() const {
   return std::any_of(models.begin(), models.end(), [](const LocalModel& m) { return m.T_w_m.has_value(); });
 }
 
-bool Localizer::Impl::isSure(double probability, const Matrix6d& P, int looks) const {
-  constexpr int kLeastLooks = 2;
-  return looks >= kLeastLooks && probability >= min_probability && isFixed(P, params);
-}
-
 bool Localizer::Impl::isLikely() const {
   return !belief.places().empty() && belief.places().front().probability >= min_probability;
 }
 
 bool Localizer::Impl::isSure() const {
-  return isLikely() &&
-         isSure(belief.places().front().probability, belief.places().front().T_w_c.P, belief.looks());
+  return isLikely() && localization_params.sure.hold(belief.places().front().T_w_c.P);
 }
 
-// A drive is as sure as an image that is sure of the same place.
-bool Localizer::Impl::isSureByItself(const Localization& found) const {
-  if (found.state(min_probability) != AnswerState::sure || belief.places().empty()) return false;
-  const Hypothesis& best = found.hypotheses.front();
-  const BelievedPlace& place = belief.places().front();
-  return best.T_w_c && best.part == place.part && kSamePlace.joins(*best.T_w_c, place.T_w_c.T);
+// Is a single view sure of a place?
+bool Localizer::Impl::isSure(const Localization& found) const {
+  return found.state(min_probability) == AnswerState::sure && found.hypotheses.front().T_w_c;
 }
 
 PoseWithCovariance Localizer::Impl::poseOf(const Hypothesis& h) const {
@@ -179,7 +177,7 @@ LocalizerAnswer Localizer::Impl::update(View&& view, double now,
   if (step.shows_anything)
     see(step);
   else
-    by_itself = false;
+    own_probability = 0;
   return answer(step);
 }
 
@@ -205,11 +203,12 @@ void Localizer::Impl::move(Step& step, double dt, const std::optional<PoseWithCo
 
 void Localizer::Impl::see(Step& step) {
   const bool waited = step.now - latest_look >= kWaiting && !isSure();
-  const bool is_due = step.alone || waited || belief.isDue();
-  if (is_due || step.motion.source != Motion::Source::seen) by_itself = false;
+  const bool may_have_jumped = step.motion.none > kJump;
+  const bool is_due = step.alone || waited || may_have_jumped || belief.isDue();
+  if (is_due || step.motion.source != Motion::Source::seen) own_probability = 0;
   if (!is_due && isLikely()) follow(step);
   const bool check = step.is_doubted && step.now >= next_check;
-  if (step.alone || check || (is_due && !isSure()))
+  if (step.alone || check || may_have_jumped || (is_due && !isSure()))
     search(step);
   else if (is_due)
     lookAround(step);
@@ -238,22 +237,48 @@ void Localizer::Impl::search(Step& step) {
   const Localization found = localization.localize(*step.view, std::function<bool(int)>());
   step.of_search = found.reason;
   const std::optional<double> of_best = belief.look(step.view, &found, step.alone);
-  const bool is_elsewhere =
-      of_best ? *of_best < -kContradiction : found.state(min_probability) == AnswerState::sure;
-  if (step.alone && !step.is_first && is_elsewhere && !isSureByItself(found)) {
+  const bool is_elsewhere = of_best ? *of_best < -kContradiction : isSure(found);
+  if (step.alone && !step.is_first && is_elsewhere && !(isSure(found) && isFirst(found.hypotheses.front()))) {
     step.anew = "the map contradicts the view";
     forget();
     belief.look(step.view, &found);
   }
-  by_itself = isSureByItself(found);
+  hear(found);
   latest_look = step.now;
   next_check = step.now + kCheckInterval;
+  looks_around = 0;
 }
 
-// Registers the view near each place, where it may fit better.
-void Localizer::Impl::lookAround(const Step& step) {
+// Is it the first place of the belief?
+bool Localizer::Impl::isFirst(const Hypothesis& h) const {
+  if (belief.places().empty()) return false;
+  const BelievedPlace& first = belief.places().front();
+  return h.part == first.part && kSamePlace.joins(*h.T_w_c, first.T_w_c.T);
+}
+
+// A drive is as sure as an image that is sure of the same place.
+void Localizer::Impl::hear(const Localization& found) {
+  if (!isSure(found)) return;
+  const Hypothesis& best = found.hypotheses.front();
+  belief.hear(best);
+  if (isFirst(best)) own_probability = best.probability;
+}
+
+// Registers the view near each place, where it may fit better. Now and then the whole map is asked, whose
+// answer is heard if the view is sure of it.
+void Localizer::Impl::lookAround(Step& step) {
   constexpr int kNearModels = 4;
+  constexpr int kListening = 3;  // looks between searches of the whole map while a place is sure
   latest_look = step.now;
+  if (++looks_around >= kListening) {
+    looks_around = 0;
+    step.searched = true;
+    const Localization found = localization.localize(*step.view, std::function<bool(int)>());
+    if (isSure(found)) {
+      belief.look(step.view, &found);
+      return hear(found);
+    }
+  }
   const std::vector<int> near = belief.modelsAround(kNearModels);
   const Localization found = localization.localize(
       *step.view, [&](int model) { return std::find(near.begin(), near.end(), model) == near.end(); });
@@ -289,10 +314,8 @@ LocalizerAnswer Localizer::Impl::localizeNear(const View& view, const PoseWithCo
   near.look(std::make_shared<const View>(view), &found);
   LocalizerAnswer out;
   list(near, out);
-  ++out.looks;
   out.searched = true;
   conclude(out);
-  if (out.state == AnswerState::sure) out.reason.clear();
   if (out.hypotheses.empty() && !found.reason.empty()) out.reason = found.reason;
   return out;
 }
@@ -314,13 +337,12 @@ LocalizerAnswer Localizer::Impl::answer(const Step& step) {
   out.searched = step.searched;
   out.began_anew = !step.anew.empty();
   out.T_before_now = step.motion.likeliest();
+  if (!out.hypotheses.empty() && out.hypotheses.front().probability < own_probability)
+    share(own_probability, out);
+  if (step.is_contradicted && !step.searched) doubt(out);
   conclude(out);
-  if (by_itself) out.state = AnswerState::sure;
-  if (out.state == AnswerState::sure) out.reason.clear();
-  if (step.is_contradicted && !step.searched && out.state == AnswerState::sure) {
-    out.state = AnswerState::doubtful;
+  if (step.is_contradicted && !step.searched && out.state != AnswerState::sure)
     out.reason = "the map contradicts the view";
-  }
   if (out.hypotheses.empty() && !step.of_search.empty()) out.reason = step.of_search;
   if (!step.shows_anything && out.state != AnswerState::sure) out.reason = "the view shows no planar segment";
   if (!anyPose()) out.reason = "no local model of the map has a pose";
@@ -329,29 +351,39 @@ LocalizerAnswer Localizer::Impl::answer(const Step& step) {
   return out;
 }
 
+// Gives the first place a probability; the others and nowhere share the rest.
+void Localizer::Impl::share(double of_first, LocalizerAnswer& answer) const {
+  const double scale = (1 - of_first) / (1 - answer.hypotheses.front().probability);
+  for (Hypothesis& h : answer.hypotheses) h.probability *= scale;
+  answer.hypotheses.front().probability = of_first;
+  answer.not_in_map = *answer.not_in_map * scale;
+}
+
+// A place that the view contradicts is as likely as not, until the whole map has been asked.
+void Localizer::Impl::doubt(LocalizerAnswer& answer) const {
+  constexpr double kContradicted = 0.5;
+  double sum = 0;
+  for (Hypothesis& h : answer.hypotheses) sum += h.probability *= kContradicted;
+  answer.not_in_map = 1 - sum;
+}
+
 // The state, and why it is not sure.
 void Localizer::Impl::conclude(LocalizerAnswer& answer) const {
   if (answer.hypotheses.empty()) {
     answer.reason = "no place agrees with the views";
     return;
   }
+  const PoseLimits& limits = localization_params.sure;
   const Hypothesis& best = answer.hypotheses.front();
   const Matrix6d P = poseOf(best).P;
-  if (isSure(best.probability, P, answer.looks)) {
-    answer.state = AnswerState::sure;
-    return;
-  }
-  answer.state = stateByProbability(0, *answer.not_in_map, min_probability);
+  answer.state = stateOf(best.probability, limits.hold(P), *answer.not_in_map, min_probability);
+  answer.reason.clear();
   if (answer.state == AnswerState::unknown)
     answer.reason = kNotInMap;
   else if (!(best.probability >= min_probability))
     answer.reason = "no place is likely enough";
-  else if (isFixed(P, params))
-    answer.reason = "a likely place waits for another view to confirm it";
-  else
-    answer.reason =
-        "nothing in view fixes " + freeMotions(principalStd(P), params.max_rotation_deg / 2 * kDegree,
-                                               params.max_translation / 2, best.T_w_c->linear().transpose());
+  else if (answer.state != AnswerState::sure)
+    answer.reason = kPlaceKnown + limits.whyNotFixed(P, best.T_w_c->linear().transpose());
 }
 
 // No more of the pose is unknown than of one that is beside a local model (paper II.B).
@@ -392,7 +424,9 @@ LocalizerAnswer Localizer::localize(const View& view) const {
   out.not_in_map = found.notInMap();
   out.hypotheses = std::move(found.hypotheses);
   out.reason = std::move(found.reason);
-  if (out.state == AnswerState::unknown && out.reason.empty()) out.reason = kNotInMap;
+  if (out.state == AnswerState::unknown && !out.hypotheses.empty()) out.reason = kNotInMap;
+  if (out.state == AnswerState::doubtful && !out.reason.empty())
+    out.reason = out.hypotheses.front().probability >= impl_->min_probability ? kPlaceKnown + out.reason : "";
   out.searched = true;
   return out;
 }
@@ -416,13 +450,6 @@ LocalizerAnswer Localizer::smoothed(const LocalizerAnswer& until_now, const Loca
   const double prior = -impl_->localization_params.probability.priorLogOdds();
   LocalizerAnswer out = smoothedPlaces(until_now, from_next, T_now_next, prior);
   impl_->conclude(out);
-  const bool same = !out.hypotheses.empty() && !until_now.hypotheses.empty() &&
-                    out.hypotheses.front().part == until_now.hypotheses.front().part &&
-                    kSamePlace.joins(*out.hypotheses.front().T_w_c, *until_now.hypotheses.front().T_w_c);
-  if (same && until_now.state == AnswerState::sure) {
-    out.state = AnswerState::sure;
-    out.reason.clear();
-  }
   return out;
 }
 void Localizer::setCamera(const Camera& camera) {

@@ -95,12 +95,6 @@ double added(double log_odds, double best) {
 
 }  // namespace
 
-bool isFixed(const Matrix6d& P, const LocalizerParams& params) {
-  constexpr double kBound = 2;  // standard deviations, of 95 % of the errors
-  return kBound * largestTranslationStd(P) <= params.max_translation &&
-         kBound * largestRotationStd(P) <= params.max_rotation_deg * kDegree;
-}
-
 PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizationParams& localization,
                          const LocalizerParams& params)
     : map_(std::move(map)),
@@ -114,6 +108,7 @@ PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizatio
                  return without_prior;
                }()),
       near_(map_, true),
+      limits_(localization.sure),
       has_odds_(!localization.score.by_overlap) {}
 
 void PlaceBelief::clear() {
@@ -134,12 +129,26 @@ void PlaceBelief::move(const Motion& motion) {
       moved.push_back(std::move(place));
     }
   places_ = std::move(moved);
+  if (motion.none > 0) scatter(motion.none);
   if (motion.modes.size() > 1) normalize();
   std::vector<MotionMode> back;
   for (const MotionMode& mode : motion.modes) back.push_back({inverse(mode.T_a_b), mode.probability});
   for (Look& look : kept_) look.T_c_l = chained(back, look.T_c_l);
   way_ += motion.likeliest().T.translation().norm();
   turn_ += rotationAngle(motion.likeliest().T.linear());
+}
+
+// The camera may be anywhere now with that probability: the places lose it to nowhere, and looks from before
+// do not judge new places.
+void PlaceBelief::scatter(double probability) {
+  constexpr double kElsewhere = 0.5;
+  weigh();
+  double left = 1;
+  for (BelievedPlace& place : places_) left -= place.probability *= 1 - probability;
+  for (BelievedPlace& place : places_)
+    place.log_odds = std::log(place.probability) - std::log(std::max(left, kForgotten));
+  if (probability > kElsewhere) kept_.clear();
+  normalize();
 }
 
 double PlaceBelief::motionSince(double distance, double rotation_deg) const {
@@ -291,7 +300,7 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (Candidate& candidate : seen[i]) {
       const bool is_established =
-          !independent && places_[i].probability >= kEstablished && isFixed(places_[i].T_w_c.P, params_);
+          !independent && places_[i].probability >= kEstablished && limits_.hold(places_[i].T_w_c.P);
       candidate.log_odds =
           is_established ? oddsOfEstablished(*view, candidate.match) : oddsOfKnown(*view, candidate.match);
       best = std::max(best, candidate.log_odds);
@@ -313,6 +322,36 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
   while (static_cast<int>(kept_.size()) > params_.kept_looks) kept_.pop_front();
   normalize();
   return of_best;
+}
+
+// The first place and the one heard contradict each other as far as they are apart, and one motion of fifty
+// is wrong.
+void PlaceBelief::hear(const Hypothesis& sure) {
+  constexpr double kMostProbable = 0.998;  // two of a thousand single answers may be wrong
+  if (places_.empty()) return;
+  const auto isHeard = [&sure](const BelievedPlace& place) {
+    return place.part == sure.part && kSamePlace.joins(place.T_w_c.T, *sure.T_w_c);
+  };
+  const BelievedPlace& first = places_.front();
+  if (isHeard(first)) return;
+  const double doubt = first.part == sure.part
+                           ? std::min(kMostDoubt, 0.5 * squaredMahalanobis(first.T_w_c, *sure.T_w_c))
+                           : kMostDoubt;
+  auto own = std::find_if(places_.begin(), places_.end(), isHeard);
+  if (own == places_.end()) {
+    BelievedPlace place;
+    place.T_w_c = poseOf(sure);
+    place.part = sure.part;
+    place.match = sure;
+    place.log_odds = -std::numeric_limits<double>::infinity();
+    own = places_.insert(places_.end(), std::move(place));
+  }
+  double others = 1;
+  for (auto place = places_.begin(); place != places_.end(); ++place)
+    if (place != own) others += std::exp(place->log_odds);
+  const double p = std::min(kMostProbable, sure.probability);
+  own->log_odds = std::max(own->log_odds, std::log(others * p / (1 - p)) - doubt);
+  normalize();
 }
 
 // A place, after a view has been seen at one or several poses within its uncertainty: the best of them, and

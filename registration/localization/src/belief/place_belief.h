@@ -16,9 +16,6 @@
 
 namespace facetloc::internal {
 
-/** \brief Does a covariance fix a pose as well as a sure one needs? */
-bool isFixed(const Matrix6d& P, const LocalizerParams& params);
-
 /** \brief A place where a camera may be. */
 struct BelievedPlace {
   PoseWithCovariance T_w_c;
@@ -56,6 +53,9 @@ public:
    * without a place, or if the map has nothing near it. */
   std::optional<double> look(std::shared_ptr<const View> view, const Localization* found,
                              bool independent = false);
+  /** \brief Hears a view that is sure, on its own, of another place than the first: that place has at least
+   * the odds of the view, less the doubt that the motions since the looks before raise. */
+  void hear(const Hypothesis& sure);
   /** \brief The n local models nearest to each place that is worth asking about. */
   std::vector<int> modelsAround(int n) const;
   /** \brief Somebody says that the camera is there: adds a place, or one for each of 12 headings if the
@@ -97,6 +97,7 @@ private:
   double addFresh(const View& view, const std::vector<Hypothesis>& fresh, const std::vector<Candidates>& seen,
                   double weight);
   PoseWithCovariance poseOf(const Hypothesis& h) const;
+  void scatter(double probability);
   void normalize();
   void weigh();  // probabilities by the odds
 
@@ -106,6 +107,7 @@ private:
   double prior_;  // that the map holds the place, as log odds
   PlaceRanking ranking_;
   NearbyModels near_;
+  PoseLimits limits_;
   bool has_odds_;
   std::vector<BelievedPlace> places_;
   std::deque<Look> kept_;

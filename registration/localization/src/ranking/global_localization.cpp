@@ -187,7 +187,8 @@ Localization GlobalLocalization::Impl::rank(const Query& query, std::vector<Hypo
 
 // Is the first place so probable that no other need be asked?
 bool GlobalLocalization::Impl::isSure(const Localization& answer) const {
-  return answer.state(params.shortlist.sure_probability) == AnswerState::sure;
+  return !answer.hypotheses.empty() && answer.has_probabilities &&
+         answer.hypotheses.front().probability >= params.shortlist.sure_probability;
 }
 
 GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
@@ -217,6 +218,7 @@ Localization GlobalLocalization::localize(const View& view) const {
     }
   }
   impl_->stateAsShown(view, about, answer.camera.sameMounting(), answer.hypotheses);
+  concludePose(impl_->params.sure, answer);
   return answer;
 }
 
@@ -260,6 +262,7 @@ Localization GlobalLocalization::localize(const View& view, const PoseWithCovari
     ComparedAndRefined nothing;
     answer = impl_->rank(query, std::move(found), nothing);
     impl_->stateAsShown(view, prior, true, answer.hypotheses);
+    concludePose(impl_->params.sure, answer);
   } else {
     answer.reason = "the covariance of the prior is not positive definite";
   }

@@ -5,6 +5,7 @@
 #include <facetloc/features/rendered_views.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace facetloc::internal {
@@ -12,9 +13,15 @@ namespace {
 
 // Mean score of wrong places for the map's own views; with few views, drawn towards the usual.
 double meanAmbiguity(const ProbabilityCalibration& params, const std::optional<MapAmbiguity>& ambiguity) {
-  constexpr double kViews = 20;  // that the usual ambiguity counts as
   const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
-  return (found.views * found.score + kViews * params.usual_ambiguity) / (found.views + kViews);
+  const double views = found.score < params.usual_ambiguity ? params.distinct_views : params.usual_views;
+  return (found.views * found.score + views * params.usual_ambiguity) / (found.views + views);
+}
+
+// The scores of wrong places lie the closer together the lower they are: beta grows where the map has no
+// places that look the same.
+double slopeOf(const ProbabilityCalibration& params, const std::optional<MapAmbiguity>& ambiguity) {
+  return params.slope * std::exp(std::max(0.0, -meanAmbiguity(params, ambiguity)) / params.distinct_scale);
 }
 
 }  // namespace
@@ -50,15 +57,16 @@ ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight, doub
                                     const Hypothesis& place) const {
   if (!evidence || map_->models.size() == 1) return odds(evidence, {});
   const ProbabilityCalibration& p = params_.calibration.probability;
-  const double prior = params_.probability.priorLogOdds();
-  return {p.slope, (1 - lookalike_weight) * p.least_null_score +
-                       lookalike_weight * aliasScoreOf(place, share_of_place) + prior / p.slope};
+  const double prior = params_.probability.priorLogOdds(), slope = slopeOf(p, map_->ambiguity);
+  return {slope, (1 - lookalike_weight) * p.least_null_score +
+                     lookalike_weight * aliasScoreOf(place, share_of_place) + prior / slope};
 }
 
 ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {
   if (map_->models.size() == 1) return oddsOfPair(params_, evidence);
   const ProbabilityCalibration& p = params_.calibration.probability;
-  if (evidence) return {p.slope, nullScore(p, params_.probability, map_->ambiguity, sorted)};
+  if (evidence)
+    return {slopeOf(p, map_->ambiguity), nullScore(p, params_.probability, map_->ambiguity, sorted)};
   return {params_.calibration.plain_probability.slope, params_.calibration.plain_probability.null_score};
 }
 
@@ -128,8 +136,9 @@ int PlaceRanking::viewpoints(const std::vector<int>& models) const {
 
 double nullScore(const ProbabilityCalibration& params, const ProbabilityParams& prior,
                  const std::optional<MapAmbiguity>& ambiguity, const std::vector<Hypothesis>& sorted) {
-  const double of_all_views =
-      params.ambiguity_weight * meanAmbiguity(params, ambiguity) + prior.priorLogOdds() / params.slope;
+  const double mean = meanAmbiguity(params, ambiguity);
+  const double of_all_views = (mean < 0 ? params.distinct_weight : params.ambiguity_weight) * mean +
+                              prior.priorLogOdds() / slopeOf(params, ambiguity);
 
   const std::size_t end = std::min<std::size_t>(sorted.size(), 1 + params.runners_up);
   if (end < 2) return params.least_null_score + of_all_views;

@@ -14,8 +14,6 @@ struct LocalizerParams {
   int max_places = 12;
   int kept_looks = 6;
   double most_log_odds = 7;
-  double max_translation = 0.15;
-  double max_rotation_deg = 3;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -29,10 +27,6 @@ struct LocalizerParams {
           "Number of latest views that a newly found place is compared with.");
     visit("most_log_odds", p.most_log_odds, 0.1, 100.0,
           "Maximum log odds of any number of views [nats]; a smaller one forgets faster.");
-    visit("max_translation", p.max_translation, 1e-3, 100.0,
-          "Maximum position uncertainty of a sure place, two standard deviations [m].", kForUsers);
-    visit("max_rotation_deg", p.max_rotation_deg, 1e-3, 180.0,
-          "Maximum orientation uncertainty of a sure place, two standard deviations [deg].", kForUsers);
   }
   void validate() const { checkRanges(*this); }
 };
