@@ -328,7 +328,8 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
 // is wrong.
 void PlaceBelief::hear(const Hypothesis& sure) {
   constexpr double kMostProbable = 0.998;  // two of a thousand single answers may be wrong
-  if (places_.empty()) return;
+  constexpr double kBelieved = 0.5;        // probability of a first place that there is to contradict
+  if (places_.empty() || places_.front().probability < kBelieved) return;
   const auto isHeard = [&sure](const BelievedPlace& place) {
     return place.part == sure.part && kSamePlace.joins(place.T_w_c.T, *sure.T_w_c);
   };

@@ -53,7 +53,7 @@ public:
    * without a place, or if the map has nothing near it. */
   std::optional<double> look(std::shared_ptr<const View> view, const Localization* found,
                              bool independent = false);
-  /** \brief Hears a view that is sure, on its own, of another place than the first: that place has at least
+  /** \brief Hears a view that is sure, on its own, of another place than the one believed: that has at least
    * the odds of the view, less the doubt that the motions since the looks before raise. */
   void hear(const Hypothesis& sure);
   /** \brief The n local models nearest to each place that is worth asking about. */
