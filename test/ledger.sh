@@ -44,7 +44,7 @@ mkdir -p "$out"
 out=$(realpath "$out") build=$(realpath "$build")
 [ ! -d "$data" ] || data=$(realpath "$data")
 rm -rf "$out"/{work,log}
-mkdir -p "$out"/log "$out"/work/{figures/quick,figures/full,maps,results}
+mkdir -p "$out/log" "$out/work"/{figures/quick,figures/full,maps,results}
 cd "$out/work"
 apps=$build/apps every=1
 . "$root/test/benchmark/stages.sh"

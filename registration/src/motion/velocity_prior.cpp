@@ -8,9 +8,8 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kLongest = 3;  // time after which a velocity says nothing of the next one [s]
-constexpr double kRestless =
-    1.5;  // sum of |v|^2 of the motions that keep nothing [m^2/s^2]: three, at a walk
+constexpr double kLongest = 3;     // time after which a velocity says nothing of the next one [s]
+constexpr double kRestless = 1.5;  // sum of |v|^2 of three motions that keep nothing [m^2/s^2]
 
 }  // namespace
 

@@ -23,7 +23,7 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
-// Of a view that stands alone against the best place, from which on the camera is elsewhere [nats].
+// Evidence of a view that stands alone against the best place: beyond, the camera is elsewhere [nats].
 constexpr double kContradiction = 1;
 constexpr double kPatience = 1;       // with a map that contradicts the place that is followed [s]
 constexpr double kCheckInterval = 2;  // between searches of the whole map while that place is in doubt [s]

@@ -223,6 +223,7 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   if (answer_.hypotheses.empty()) return;
   if (state == AnswerState::doubtful) {
     status_ = "doubtful: the first pose has a probability of " + std::to_string(getProbability());
+    if (!answer_.reason.empty()) status_ += "; " + answer_.reason;
     PCL_WARN("[facetloc::%s::align] %s\n", reg_name_.c_str(), status_.c_str());
   }
   nr_iterations_ = 1;
