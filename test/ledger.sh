@@ -143,6 +143,15 @@ floor() {
   localizedIn "$1" "$1/map" "$1/query" 0.2 2
 }
 
+# passage SEED VARIANT...: a corridor of equal doors, walked by a phone
+passage() {
+  local name=passage$1
+  chosen "$name" "${@:2}" || return 0
+  place "$name" passage --seed "$1" --camera phone_lidar --drive.camera_height 1.4 --drive.step 0.6 --pace.speed 1.2 \
+    --map-frames 600 --query-frames 400 "${one[@]}"
+  localizedIn "$name" "$name/map" "$name/query" 0.3 5
+}
+
 # Every second image of a place without true poses, in a map of the others.
 cafe() {
   wanted single.cafe && present cafe || return 0
@@ -249,6 +258,8 @@ step full hotel1 floor hotel1 hotel 1 444 348 single "${gaps[@]}"
 step quick kitchen_without_poses kitchenWithoutPoses
 step quick d435_desk recording d435_desk recordings/d435_desk map query single "${gaps[@]}"
 step quick home31 floor home31 home 31 160 160 single "${gaps[@]}"
+step quick passage1 passage 1 single drive
+for seed in 2 3 4 5; do step full passage$seed passage $seed single drive; done
 step quick office_short floor office_short office 1 160 160 single "${gaps[@]}"
 step quick kitchen recording kitchen redkitchen map query single "${gaps[@]}"
 step quick pairs pairs

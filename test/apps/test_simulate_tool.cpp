@@ -26,7 +26,7 @@ using testing::HasSubstr;
 
 TEST_F(Tools, SimulateIsReproducible) {
   for (const std::string scene :
-       {"room", "office", "home", "hall", "corridor", "hotel", "boards", "doors", "box"}) {
+       {"room", "office", "home", "hall", "corridor", "hotel", "boards", "doors", "passage", "box"}) {
     for (const std::string threads : {"1", "2"}) {
       const ToolRun run = runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160", "-o",
                                                 folder_ / scene + threads, "--threads", threads});
@@ -48,7 +48,8 @@ TEST_F(Tools, SimulateIsReproducible) {
 TEST_F(Tools, SimulateRefusesUnknownNames) {
   const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
-  for (const char* scene : {"office", "home", "hall", "corridor", "hotel", "boards", "doors", "box", "room"})
+  for (const char* scene :
+       {"office", "home", "hall", "corridor", "hotel", "boards", "doors", "passage", "box", "room"})
     EXPECT_THAT(run.err, HasSubstr(scene));
 }
 

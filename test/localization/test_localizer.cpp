@@ -673,6 +673,20 @@ TEST_F(BeliefInARoom, ASureViewOfTheSamePlaceChangesNoOdds) {
   EXPECT_EQ(logOdds(belief), before);
 }
 
+/** The wall of the map is at 2.4 m, the view sees as far as 5.2 m. */
+TEST_F(BeliefInARoom, ViewsThatLookThroughTheMapSpeakAgainstAPlaceBeyondDoubt) {
+  PlaceBelief belief(map, {}, {});
+  belief.inject(0, {onCircle(0, 0.6), 1e-4 * Matrix6d::Identity()}, 7);
+  const double before = logOdds(belief);
+  const Eigen::Isometry3d far = lookingAlong({0.8, 2.5, 1.2}, {1, 0, -0.4});
+  belief.look(std::make_shared<const View>(viewFrom(test::largeRoom(), far, 1)), nullptr);
+  ASSERT_EQ(belief.places().size(), 1u);
+  EXPECT_LT(belief.places()[0].match.coverage.contradicted, 0.2) << "it is not hidden by anything new";
+  EXPECT_GT(belief.places()[0].match.coverage.looked_through, 0.5);
+  EXPECT_LT(logOdds(belief), before - 0.5);
+  EXPECT_GE(logOdds(belief), before - 1 - 1e-9) << "what has changed stays in view for several looks";
+}
+
 TEST_F(BeliefInARoom, TheViewIsAskedNearAPlaceThatIsWrong) {
   PlaceBelief belief(map, {}, {});
   const Eigen::Isometry3d off = perturbed(truth[0], (Vector6d() << 0, 0, 0.2, 0.35, -0.2, 0).finished());

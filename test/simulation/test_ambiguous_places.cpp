@@ -125,7 +125,7 @@ TEST_P(AmbiguousPlaces, TheRobotKeepsClearOfTheBox) {
 }
 
 TEST_P(AmbiguousPlaces, DifferFromSeedToSeed) {
-  for (const char* name : {"boards", "doors", "box"}) {
+  for (const char* name : {"boards", "doors", "passage", "box"}) {
     const SimulatedPlace one = place(name), same = place(name);
     const SimulatedPlace other = simulatedPlace(name, static_cast<std::uint64_t>(GetParam()) + 1);
     const auto centres = [](const SimulatedPlace& p) {

@@ -297,7 +297,7 @@ class Simulation(Sequence[Frame]):
 
 
 def simulate(scene: str = "room", run: str = "map", seed: int = 1, frames: int = 30, width: int = WIDTH) -> Simulation:
-    """A robot with a depth camera drives through a made-up place: room, office, home, hall, corridor, hotel, boards, doors or box.
+    """A robot with a depth camera drives through a made-up place: room, office, home, hall, corridor, hotel, boards, doors, passage or box.
     run: "map", or "query", later, when things have moved. The same arguments give the same images."""
     return Simulation(_facetloc.Drive(scene, run, seed, frames, width))
 

@@ -118,8 +118,9 @@ SimulateApp::SimulateApp()
           "images of a room that the first drive never entered. SCENE is one of: office (corridors and "
           "rooms), home (a flat), hall (shelves and columns), corridor (40 m, bare), hotel (12 equal rooms), "
           "boards (flat boards on a bare floor, for --drive.camera_tilt_deg 60), doors (a corridor with "
-          "equal doors), box (a cabinet that looks the same from opposite sides), room (random boxes, "
-          "nothing moves). With --runs drive also DIR/drive, the later drive in real time, without labels. "
+          "equal doors), passage (60 m of them), box (a cabinet that looks the same from opposite sides), "
+          "room (random boxes, nothing moves). With --runs drive also DIR/drive, the later drive in real "
+          "time, without labels. "
           "With --map_poses.* also map/poses.txt, poses with errors. The output must not exist yet.") {
   drive_.sway_deg = 10;
 }

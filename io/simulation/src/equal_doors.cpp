@@ -10,9 +10,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kDoorsOfASide = 16, kThings = 3;
+constexpr double kThingsOfADoor = 3.0 / 16;  // one side counts
 // Sizes, and the robot's distance from the middle line and from the ends [m].
-constexpr double kSpacing = 1.8, kLength = kDoorsOfASide * kSpacing;
+constexpr double kSpacing = 1.8;
 constexpr double kHalfWidth = 1.2, kHeight = 2.6, kWall = 0.24;
 constexpr double kDoor = 0.9, kDoorHeight = 2.05, kLeaf = 0.04;
 constexpr double kThingDepth = 0.3;
@@ -21,42 +21,43 @@ constexpr double kOffMiddle = 0.2, kFromEnd = 1;
 double middleOf(int door) { return (door + 0.5) * kSpacing; }
 
 /** A wall with its doors, closed and set back by half of its thickness. */
-void addSide(SceneBuilder& builder, double side) {
+void addSide(SceneBuilder& builder, int n_doors, double side) {
   std::vector<Opening> doors;
-  for (int door = 0; door < kDoorsOfASide; ++door) doors.push_back({middleOf(door), kDoor, 0, kDoorHeight});
-  builder.wall({0, side * kHalfWidth}, {kLength, side * kHalfWidth}, kWall, kHeight, doors);
-  for (int door = 0; door < kDoorsOfASide; ++door)
+  for (int door = 0; door < n_doors; ++door) doors.push_back({middleOf(door), kDoor, 0, kDoorHeight});
+  builder.wall({0, side * kHalfWidth}, {n_doors * kSpacing, side * kHalfWidth}, kWall, kHeight, doors);
+  for (int door = 0; door < n_doors; ++door)
     builder.box(Spot{{middleOf(door), side * kHalfWidth}}, {kDoor, kLeaf, kDoorHeight});
 }
 
 /** Between two doors, at one of the walls. */
-void addThing(SceneBuilder& builder, Random& random) {
+void addThing(SceneBuilder& builder, int n_doors, Random& random) {
   const double side = random.uniform() < 0.5 ? -1 : 1;
-  const double x = (1 + static_cast<int>((kDoorsOfASide - 1) * random.uniform())) * kSpacing;
+  const double x = (1 + static_cast<int>((n_doors - 1) * random.uniform())) * kSpacing;
   const double length = random.uniform(0.4, 0.8), height = random.uniform(0.5, 1.8);
   builder.box(Spot{{x, side * (kHalfWidth - (kWall + kThingDepth) / 2)}}, {length, kThingDepth, height});
 }
 
 /** From end to end, on a line that is not quite the corridor's. */
-Route wayThrough(Random& random) {
+Route wayThrough(double length, Random& random) {
   const double from = random.uniform(-kOffMiddle, kOffMiddle), to = random.uniform(-kOffMiddle, kOffMiddle);
-  return {{{kFromEnd, from}, 0}, {{kLength - kFromEnd, to}, 0}};
+  return {{{kFromEnd, from}, 0}, {{length - kFromEnd, to}, 0}};
 }
 
 }  // namespace
 
-SimulatedPlace equalDoors(std::uint64_t seed) {
+SimulatedPlace equalDoors(std::uint64_t seed, int n_doors) {
+  const double length = n_doors * kSpacing;
   Random random(seed);
   SimulatedPlace place;
   SceneBuilder builder(place);
-  const Eigen::AlignedBox2d area(Vector2d(0, -kHalfWidth), Vector2d(kLength, kHalfWidth));
+  const Eigen::AlignedBox2d area(Vector2d(0, -kHalfWidth), Vector2d(length, kHalfWidth));
   builder.level(area, 0);
   builder.level(area, kHeight);
-  for (const double side : {-1, 1}) addSide(builder, side);
-  for (const double x : {0.0, kLength}) builder.wall({x, -kHalfWidth}, {x, kHalfWidth}, kWall, kHeight);
-  for (int i = 0; i < kThings; ++i) addThing(builder, random);
-  place.mapping_route = wayThrough(random);
-  place.query_route = wayThrough(random);
+  for (const double side : {-1, 1}) addSide(builder, n_doors, side);
+  for (const double x : {0.0, length}) builder.wall({x, -kHalfWidth}, {x, kHalfWidth}, kWall, kHeight);
+  for (int i = 0; i < kThingsOfADoor * n_doors; ++i) addThing(builder, n_doors, random);
+  place.mapping_route = wayThrough(length, random);
+  place.query_route = wayThrough(length, random);
   place.one_way = true;
   return place;
 }

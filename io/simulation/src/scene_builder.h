@@ -84,7 +84,7 @@ SimulatedPlace hallFloor(std::uint64_t seed);
 SimulatedPlace bareCorridor(std::uint64_t seed);
 SimulatedPlace equalRooms(std::uint64_t seed);
 SimulatedPlace bareFloor(std::uint64_t seed);
-SimulatedPlace equalDoors(std::uint64_t seed);
+SimulatedPlace equalDoors(std::uint64_t seed, int n_doors);  // on each side
 SimulatedPlace symmetricBox(std::uint64_t seed);
 
 }  // namespace facetloc

@@ -8,8 +8,8 @@
 namespace facetloc {
 
 const std::vector<std::string>& simulatedPlaceNames() {
-  static const std::vector<std::string> names = {"office", "home",   "hall",  "corridor",
-                                                 "hotel",  "boards", "doors", "box"};
+  static const std::vector<std::string> names = {"office", "home",  "hall",    "corridor", "hotel",
+                                                 "boards", "doors", "passage", "box"};
   return names;
 }
 
@@ -20,7 +20,8 @@ SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed) {
   if (name == "corridor") return bareCorridor(seed);
   if (name == "hotel") return equalRooms(seed);
   if (name == "boards") return bareFloor(seed);
-  if (name == "doors") return equalDoors(seed);
+  if (name == "doors") return equalDoors(seed, 16);
+  if (name == "passage") return equalDoors(seed, 33);
   if (name == "box") return symmetricBox(seed);
   throw std::invalid_argument("there is no simulated place named '" + name + "'");
 }

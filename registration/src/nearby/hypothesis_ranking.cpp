@@ -91,8 +91,10 @@ Coverage coverageOf(const DepthEvidence& found, const View& scene, const std::ve
     all += scene.segments[i].num_points;
     if (has_partner[i]) paired += scene.segments[i].num_points;
   }
+  DepthAgreement models;
+  for (const DepthAgreement& of_model : found.of_models) models += of_model;
   return {share(a.judged(), found.pixels), share(a.agree, a.judged()), share(a.contradict, a.judged()),
-          share(paired, all)};
+          share(models.contradict, models.judged()), share(paired, all)};
 }
 
 void sortByScore(std::vector<Hypothesis>& h) {

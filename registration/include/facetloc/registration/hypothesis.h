@@ -24,8 +24,9 @@ struct Coverage {
   double compared = 0;  ///< pixels of the view where local models near the place have depth
   double agreeing = 0;  ///< compared pixels that agree
   double contradicted =
-      0;              ///< compared pixels that contradict: the model saw through the surfaces of the view
-  double paired = 0;  ///< support of the view's segments that have a partner
+      0;  ///< compared pixels that contradict: the model saw through the surfaces of the view
+  double looked_through = 0;  ///< pixels of those local models within the view that it looks through
+  double paired = 0;          ///< support of the view's segments that have a partner
 };
 
 /** \brief A pose of the scene camera relative to a local model, with its evidence. */

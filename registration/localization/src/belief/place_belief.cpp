@@ -31,6 +31,7 @@ constexpr double kMostDoubt = 4;       // that a motion can raise: one of fifty 
 constexpr double kAlike = 1;           // difference of observations that count as equal [nats]
 constexpr double kUnlikely = 1e-3;     // share of a place, of an alternative that is dropped
 constexpr double kChanged = 0.4;       // share of a view that may differ from the map at the right place
+constexpr double kMostAgainst = 1;     // that one look takes away from a place beyond doubt [nats]
 constexpr double kEstablished = 0.99;  // probability of a place that is beyond doubt
 constexpr double kWorthAsking = 0.01;  // probability of a place that a view is registered near
 
@@ -205,13 +206,15 @@ double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
 }
 
 // Log odds of a place that was beyond doubt. Surfaces that the map lacks, those hidden from its local models
-// and as much as may have changed since then do not count against it.
+// and as much as may have changed since then do not count against it; a thing that has changed stays in view
+// for a while, and each look speaks little of it.
 double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) const {
   const double odds = oddsOfKnown(view, h);
   if (odds >= 0 || !ranking_.mayHaveEvidence(view)) return odds;
   const Coverage& known = h.coverage;
-  return known.compared * std::max(0.0, known.contradicted - kChanged / (1 - kChanged) * known.agreeing) *
-         odds;
+  const double differing = known.contradicted + known.looked_through;
+  const double beyond_change = std::max(0.0, differing - kChanged / (1 - kChanged) * known.agreeing);
+  return std::max(-kMostAgainst, known.compared * beyond_change * odds);
 }
 
 // A Gaussian that is wider than the spacing of local models is as many places: their log.
