@@ -149,15 +149,23 @@ def test_poses_and_transforms_are_right(drive, ros):
     assert wait_for(lambda: len(poses) >= 30), f"{len(poses)} poses only"
     assert ros.poll() is None
 
+    off = []
     for pose in poses:
         assert pose.header.frame_id == "map"
         T = matrix(pose.pose.pose.position, pose.pose.pose.orientation)
         true = truth[round(pose.header.stamp.to_sec(), 6)]
-        assert np.linalg.norm(T[:3, 3] - true[:3, 3]) < 0.1
-        assert np.trace(T[:3, :3].T @ true[:3, :3]) > 1 + 2 * np.cos(np.radians(3))
+        R = T[:3, :3] @ true[:3, :3].T
+        rotation = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
+        error = np.concatenate([T[:3, 3] - true[:3, 3], rotation])
+        off.append((np.linalg.norm(error[:3]), np.degrees(np.linalg.norm(rotation))))
         P = np.array(pose.pose.covariance).reshape(6, 6)
         np.linalg.cholesky(P)
         assert P[0, 0] < 0.05, "position first"
+        # Which images a busy node receives before their odometry differs from run to run, and with it how well a pose is
+        # known; its covariance has to say so. 22.5: 0.999 quantile of chi square of 6 degrees of freedom.
+        assert error @ np.linalg.solve(P + np.diag(3 * [0.01**2] + 3 * [0.005**2]), error) < 22.5
+    assert np.max(off, axis=0)[0] < 0.3 and np.max(off, axis=0)[1] < 5, "a sure pose is right"
+    assert np.all(np.quantile(off, 0.9, axis=0) < (0.1, 1)), "and seldom as far off"
     assert len(transforms) >= 30
     for message in transforms:
         t = message.transforms[0]
