@@ -6,12 +6,14 @@
                                            figures of each run that facetloc_evaluate has judged
   ledger.py states PREFIX RESULTS          figures of results without true poses
   ledger.py ratios FOLDER                  ratios of times: FOLDER has results kitchenN, officeN and strangeN
+  ledger.py outside RUN LATER METRES       depth images of RUN that were taken farther than that from the middle third of LATER
   ledger.py parameters ROOT                number of parameters in the source
   ledger.py compare TSV FIGURES OUT [--rows PATTERN] [--quick] [--update]"""
 import argparse
 import collections
 import csv
 import fnmatch
+import math
 import pathlib
 import re
 import statistics
@@ -68,6 +70,19 @@ def answers(name, frames_csv, metres, degrees):
             show(prefix + ".first_sure", next((i for i, row in enumerate(frames, 1) if is_sure(row)), len(frames) + 1))
         show(prefix + ".in95", f"{100 * sum(e <= ELLIPSOID for e in nees) / len(nees):.1f}" if nees else "-")
         show(prefix + ".nees", f"{statistics.median(nees):.2f}" if nees else "-")
+
+
+def outside(run, later, metres):
+    def positions(folder):
+        with open(pathlib.Path(folder) / "groundtruth.txt") as file:
+            return [tuple(map(float, line.split()[1:4])) for line in file if line.strip() and not line.startswith("#")]
+
+    middle = positions(later)
+    middle = middle[len(middle) // 3:2 * len(middle) // 3]
+    images = sorted((path.name for path in (pathlib.Path(run) / "depth").iterdir()), key=lambda name: float(pathlib.Path(name).stem))
+    for image, position in zip(images, positions(run), strict=True):
+        if min(math.dist(position, other) for other in middle) > float(metres):
+            print(image)
 
 
 def states(prefix, results):
@@ -210,7 +225,8 @@ def main():
     commands = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     command = commands.add_subparsers(dest="command", required=True)
     for name, arguments in (("answers", ["name", "frames_csv"]), ("states", ["prefix", "results"]), ("ratios", ["folder"]),
-                            ("parameters", ["root"]), ("compare", ["tsv", "figures", "out"])):
+                            ("outside", ["run", "later", "metres"]), ("parameters", ["root"]),
+                            ("compare", ["tsv", "figures", "out"])):
         parser = command.add_parser(name)
         for argument in arguments:
             parser.add_argument(argument)

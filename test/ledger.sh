@@ -91,7 +91,7 @@ present() { has "$1" >&3; }
 # --- Places: a map, and the later run localized in it
 
 # The images of a drive that are kept by a condition in awk: n counts them from 0, t is the time since the first [s].
-declare -A kept=([gaps]='n % 30 < 15' [2s]='t % 4 < 2' [10s]='t % 12 < 2')
+declare -A kept=([gaps]='n % 30 < 15' [2s]='t % 4 < 2' [10s]='t % 12 < 2' [60s]='t % 75 < 15')
 # thinned RUN FOLDER CONDITION
 thinned() {
   local image
@@ -143,6 +143,13 @@ floor() {
   localizedIn "$1" "$1/map" "$1/query" 0.2 2
 }
 
+# heldOut NAME SCENE SEED MAP_FRAMES VARIANT...: a floor that chose nothing, but for home 32; 160 map images cover a part of it
+heldOut() {
+  chosen "$1" "${@:5}" || return 0
+  place "$1" "$2" --seed "$3" --width 320 --map-frames "$4" --query-frames 160 "${one[@]}"
+  localizedIn "$1" "$1/map" "$1/query" 0.3 5
+}
+
 # passage SEED VARIANT...: a corridor of equal doors, walked by a phone
 passage() {
   local name=passage$1
@@ -150,6 +157,20 @@ passage() {
   place "$name" passage --seed "$1" --camera phone_lidar --drive.camera_height 1.4 --drive.step 0.6 --pace.speed 1.2 \
     --map-frames 600 --query-frames 400 "${one[@]}"
   localizedIn "$name" "$name/map" "$name/query" 0.3 5
+}
+
+# unmapped SCENE SEED REACH: a floor whose map lacks what its later drive sees in its middle third: the images within REACH [m] of it
+unmapped() {
+  local name=unmapped_$1$2 run
+  chosen "$name" single drive || return 0
+  place "$name" "$1" --seed "$2" --width 320 --map-frames 160 --query-frames 160 "${one[@]}"
+  run=$name/map
+  mkdir -p "$name/seen/depth"
+  cp "$run/camera.ini" "$name/seen"
+  ledger outside "$run" "$name/query" "$3" > "$name/kept.txt"
+  while read -r image; do ln -s "$(realpath "$run/depth/$image")" "$name/seen/depth"; done < "$name/kept.txt"
+  cp "$run/groundtruth.txt" "$name/seen"
+  localizedIn "$name" "$name/seen" "$name/query" 0.3 5
 }
 
 # Every second image of a place without true poses, in a map of the others.
@@ -252,6 +273,12 @@ processorSeconds() {
 # --- The run: longest first, timed last
 
 gaps=(drive drive_gaps drive_2s drive_10s)
+for seed in 32 33; do
+  for scene in office home hall hotel; do
+    step full $scene$seed heldOut $scene$seed $scene $seed 240 single "${gaps[@]}" drive_60s
+    step full partly_$scene$seed heldOut partly_$scene$seed $scene $seed 160 single drive drive_gaps
+  done
+done
 step full office1 floor office1 office 1 444 348 single "${gaps[@]}"
 step full hall1 floor hall1 hall 1 444 348 single "${gaps[@]}"
 step full hotel1 floor hotel1 hotel 1 444 348 single "${gaps[@]}"
@@ -260,6 +287,9 @@ step quick d435_desk recording d435_desk recordings/d435_desk map query single "
 step quick home31 floor home31 home 31 160 160 single "${gaps[@]}"
 step quick passage1 passage 1 single drive
 for seed in 2 3 4 5; do step full passage$seed passage $seed single drive; done
+step quick unmapped_home31 unmapped home 31 2
+step full unmapped_office31 unmapped office 31 3
+step full unmapped_hall32 unmapped hall 32 3
 step quick office_short floor office_short office 1 160 160 single "${gaps[@]}"
 step quick kitchen recording kitchen redkitchen map query single "${gaps[@]}"
 step quick pairs pairs

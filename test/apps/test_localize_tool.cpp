@@ -86,6 +86,27 @@ TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
   EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
 }
 
+TEST_F(Tools, AMapThatIsSaidToCoverAllNeedsLessEvidence) {
+  const auto localized = [&](const std::string& name, const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {map(), firstImage(), "-o", folder_ / name};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return runTool<LocalizeApp>(arguments).code;
+  };
+  const auto not_in_map = [&](const std::string& name) {
+    return readHypotheses(folder_ / name).front().not_in_map;
+  };
+  ASSERT_EQ(localized("usual", {}), kOk);
+  ASSERT_EQ(localized("some", {"--map-covers", "some"}), kOk);
+  ASSERT_EQ(localized("all", {"--map-covers", "all"}), kOk);
+  ASSERT_EQ(localized("share", {"--map-covers", "0.99"}), kOk);
+  EXPECT_EQ(contentOf(folder_ / "usual/hypotheses.csv"), contentOf(folder_ / "some/hypotheses.csv"));
+  EXPECT_LT(not_in_map("all"), not_in_map("some"));
+  EXPECT_LT(not_in_map("share"), not_in_map("all"));
+  for (const std::string wrong : {"none", "0", "1", "1.5", "-0.5"})
+    EXPECT_EQ(localized("wrong", {"--map-covers", wrong}), kUsage) << wrong;
+  EXPECT_EQ(localized("wrong", {"--map-covers", "all", "--probability.map_incomplete", "0.1"}), kUsage);
+}
+
 TEST_F(Tools, ThePapersMethodFindsPlaces) {
   const std::string map = folder_ / "paper.flmap", results = folder_ / "paper";
   ASSERT_EQ(runMap({"build", map_run(), "-o", map, "--preset", "paper"}).code, kOk);

@@ -68,17 +68,18 @@ void LiveApp::addOptions(CommandLine& line) {
   line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
   line.addOption("odometry", run.odometry, "FILE",
                  "Read wheel odometry and initial poses, as lines of JSON (ROBOT.md); - = standard input.");
+  addMapCovers(line, map_covers_, localization_.probability);
   addStartOption(line, run.near);
   line.addOption("remember", run.remember, "FILE",
                  "Keep the last sure pose in this file, and start from it next time.");
-  line.addOption("max-frames", run.max_frames, "N", "Stop after N processed frames; 0 = never.");
-  line.addOption("duration", run.duration, "S", "Stop after this time [s]; 0 = never.");
   line.addSwitch("wait", run.wait, "Wait for a device that is missing, was unplugged, or sends nothing.");
   line.addSwitch("every-frame", run.source.every_frame,
                  "Process every frame of a recording, at the speed of processing.");
   addMinProbability(line, min_probability_);
   input_.addOptions(line);
   line.rareFromHere();
+  line.addOption("max-frames", run.max_frames, "N", "Stop after N processed frames; 0 = never.");
+  line.addOption("duration", run.duration, "S", "Stop after this time [s]; 0 = never.");
   line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
   line.addSwitch("repeat", run.source.repeat, "Play recordings in a loop.");
   line.addOption("topic", run.source.topic, "NAME",

@@ -50,6 +50,7 @@ private:
 
   LiveRunOptions run_;
   DepthInput input_;
+  std::string map_covers_;
   double min_probability_ = kMinProbability;
   bool overwrite_ = false;
   bool streams_ = false;

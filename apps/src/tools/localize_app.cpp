@@ -150,18 +150,20 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addSwitch(
       "sequence", is_sequence_,
       "Treat the images as one drive: localize each by all images up to it, which resolves ambiguities.");
+  addMapCovers(line, map_covers_, localization_.probability);
   addStartOption(line, near_);
   line.addOption("odometry", odometry_, "FILE", "With --sequence: odometry, poses that drift (ROBOT.md).");
   gravity_.addOptions(line);
   line.addSwitch("smooth", smooth_, "With --sequence: localize each image also by the images after it.");
-  line.addOption(
-      "starts", starts_, "N",
-      "With --sequence: also start at every N-th image and record the answers after it in starts.csv.");
   addStreamOption(line, streams_);
   line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
   line.addPresets();
   addRecordingOptions(line, input_.recording);
   input_.addOptions(line);
+  line.rareFromHere();
+  line.addOption(
+      "starts", starts_, "N",
+      "With --sequence: also start at every N-th image and record the answers after it in starts.csv.");
   addLocalizationOptions(line, localization_);
   line.addParams(localizer_, "localizer");
   line.addParams(odometry_error_, "odometry_error");

@@ -51,6 +51,7 @@ private:
   std::string map_;
   std::string input_path_;
   std::string folder_;
+  std::string map_covers_;
   std::string near_;
   std::string odometry_;
   int max_hypotheses_ = 100;
