@@ -40,9 +40,8 @@ function(facetloc_add_module name)
   endif()
   list(TRANSFORM arg_DEPENDS PREPEND facetloc::)
   target_link_libraries(${lib} PUBLIC ${arg_DEPENDS} ${arg_LINK}
-                        PRIVATE fmt::fmt ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc_warnings>)
-  # Headers that only the module reads, by room, and features/src/shared, which all modules read.
-  target_include_directories(${lib} PRIVATE src ${PROJECT_SOURCE_DIR}/features/src)
+                        PRIVATE fmt::fmt ${arg_PRIVATE_LINK} $<BUILD_INTERFACE:facetloc::base> $<BUILD_INTERFACE:facetloc_warnings>)
+  target_include_directories(${lib} PRIVATE src)  # headers that only the module reads, by room
   target_include_directories(${lib} SYSTEM PUBLIC ${PCL_INCLUDE_DIRS})
   target_compile_features(${lib} PUBLIC cxx_std_17)
   # PCL's targets name all of VTK, Qt and MPI.
@@ -65,7 +64,7 @@ function(facetloc_add_module name)
 endfunction()
 
 # facetloc_add_loaded(<name> COMPONENT <of packages> SOURCES ... LINK ...)
-# A shared library that another one or a tool loads when it is needed (features/src/shared/module.h), by the name in
+# A shared library that another one or a tool loads when it is needed (features/base/module.h), by the name in
 # FACETLOC_LOADED_<name>: a part with dependencies that not everybody wants to install.
 function(facetloc_add_loaded name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "COMPONENT" "SOURCES;LINK")

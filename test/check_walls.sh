@@ -32,14 +32,21 @@ declare -A rooms=(
   [mapping/calibration]="calibration motion nearby depth"
   [mapping/models]="models sessions calibration nearby depth"
   [mapping/sessions]="sessions calibration graph trajectory motion nearby depth"
-  [io/recordings]="recordings"
-  [io/frames]="frames"
-  [io/vtk]="vtk"
-  [apps/base]="base"
-  [apps/drawing]="drawing base"
-  [apps/evaluation]="evaluation drawing base"
-  [apps/live]="live drawing base"
-  [apps/tools]="tools evaluation drawing base"
+  [io/bytes]="bytes"
+  [io/images]="images bytes"
+  [io/clouds]="clouds bytes"
+  [io/results]="results clouds bytes"
+  [io/devices]="devices images bytes"
+  [io/recordings]="recordings results devices clouds images bytes"
+  [io/maps]="maps results images bytes"
+  [apps/cli]="cli batch"
+  [apps/batch]="batch cli"
+  [apps/outputs]="outputs batch cli"
+  [apps/inputs]="inputs outputs batch cli"
+  [apps/drawing]="drawing inputs outputs batch cli"
+  [apps/evaluation]="evaluation drawing inputs outputs batch cli"
+  [apps/live]="live drawing inputs outputs batch cli"
+  [apps/tools]="tools evaluation drawing inputs outputs batch cli"
 )
 
 moduleOf() {
@@ -69,8 +76,8 @@ while IFS=: read -r file line include; do
     private=${BASH_REMATCH[1]}
     [[ $file == */include/* ]] && complain "$file:$line" "a public header" "\"$private\""
     room=${private%%/*}
-    if [[ $private != */* || $room == shared ]]; then continue; fi
-    [[ $file =~ /src/[^/]+$ ]] && continue  # in no room, such as a main()
+    if [[ $private != */* || $room == base || $room == poses ]]; then continue; fi
+    [[ $file =~ /src/[^/]+/ ]] || continue  # in no room, such as a main()
     own=$module/$(sed -E 's#^.*/src/([^/]+)/.*#\1#' <<<"$file")
     has "${rooms[$own]:-}" "$room" || complain "$file:$line" "$own" "$room"
   fi

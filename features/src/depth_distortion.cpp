@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/lanes.h"
+#include "base/lanes.h"
 
 #include <facetloc/features/depth_distortion.h>
 

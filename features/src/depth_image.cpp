@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/inverse_depth.h"
-#include "shared/lanes.h"
-#include "shared/median.h"
+#include "base/inverse_depth.h"
+#include "base/lanes.h"
+#include "base/median.h"
 
 #include <facetloc/features/depth_image.h>
 

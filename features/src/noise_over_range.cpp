@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/inverse_depth.h"
-#include "shared/median.h"
+#include "base/inverse_depth.h"
+#include "base/median.h"
 
 #include <facetloc/features/noise_over_range.h>
 #include <facetloc/features/plane_fit.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/plane_region.h"
-#include "shared/polygon.h"
+#include "base/plane_region.h"
+#include "base/polygon.h"
 
 #include <facetloc/features/region_frame.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/inverse_depth.h"
-#include "shared/lanes.h"
-#include "shared/plane_region.h"
-#include "shared/polygon.h"
-#include "shared/room.h"
+#include "base/inverse_depth.h"
+#include "base/lanes.h"
+#include "base/plane_region.h"
+#include "base/polygon.h"
+#include "base/room.h"
 
 #include <facetloc/features/plane_fit.h>
 #include <facetloc/features/segment_estimation.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/text.h"
+#include "base/text.h"
 
 #include <facetloc/features/answer_state.h>
 #include <facetloc/features/sure_threshold.h>

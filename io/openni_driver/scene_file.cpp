@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_file.h"
 
-#include "files.h"
-#include "shared/text.h"
+#include "base/text.h"
+#include "bytes/files.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sequence_source.h"
 
+#include "base/median.h"
 #include "millimetres.h"
-#include "shared/median.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cell_moments.h"
 
-#include "shared/lanes.h"
+#include "base/lanes.h"
 
 #include <algorithm>
 #include <cstdint>

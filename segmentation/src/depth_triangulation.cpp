@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth_triangulation.h"
 
-#include "shared/float_bits.h"
-#include "shared/lanes.h"
+#include "base/float_bits.h"
+#include "base/lanes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "disparity_image.h"
 
-#include "shared/inverse_depth.h"
+#include "base/inverse_depth.h"
 
 namespace facetloc::internal {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "shared/float_bits.h"
+#include "base/float_bits.h"
 
 #include <algorithm>
 #include <array>

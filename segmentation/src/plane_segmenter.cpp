@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/image_noise.h"
+#include "base/lanes.h"
+#include "base/room.h"
 #include "depth_triangulation.h"
 #include "disparity_image.h"
 #include "quad_tree.h"
 #include "region_merging.h"
 #include "relabel.h"
-#include "shared/image_noise.h"
-#include "shared/lanes.h"
-#include "shared/room.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
 

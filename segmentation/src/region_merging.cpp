@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "region_merging.h"
 
-#include "shared/lanes.h"
-#include "shared/room.h"
+#include "base/lanes.h"
+#include "base/room.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/batch.h"
-#include "base/progress.h"
-#include "base/shared_batch.h"
+#include "batch/batch.h"
+#include "batch/shared_batch.h"
+#include "cli/progress.h"
 #include "process.h"
 
 #include <facetloc/io/error.h>

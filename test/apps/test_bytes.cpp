@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/bytes.h"
+#include "batch/bytes.h"
 #include "example_scene.h"
 
 #include <facetloc/io/map_database.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/localization_report.h"
 #include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation.h"
 #include "evaluation/evaluation_report.h"
+#include "outputs/localization_report.h"
 #include "tool_runner.h"
 
 #include <facetloc/features/so3.h>

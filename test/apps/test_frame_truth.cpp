@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/localization_report.h"
 #include "evaluation/evaluation_report.h"
 #include "evaluation/frame_truth.h"
+#include "outputs/localization_report.h"
 #include "tool_runner.h"
 
 #include <facetloc/features/so3.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/heartbeat.h"
+#include "cli/heartbeat.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/presets.h"
+#include "cli/presets.h"
 #include "evaluation/evaluate_app.h"
 #include "live/live_app.h"
 #include "tool_runner.h"

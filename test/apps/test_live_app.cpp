@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The live tool as a user runs it: a process of its own, with the real OpenNI2 and our driver.
+#include "base/text.h"
 #include "live/live_app.h"
 #include "live_tool.h"
-#include "shared/text.h"
 #include "tools/map_apps.h"
 #include "tools/simulate_app.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Effects of a live run on the next one: a map that has grown, and the last sure pose.
-#include "base/robot_line.h"
+#include "inputs/robot_line.h"
 #include "live/remembered_pose.h"
 #include "live_tool.h"
 #include "tools/map_apps.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/stop_signal.h"
+#include "cli/stop_signal.h"
 #include "live/live_status.h"
 
 #include <gmock/gmock.h>

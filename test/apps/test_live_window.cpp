@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The window of the live tool, its keys, and its pictures.
-#include "base/text.h"
+#include "cli/text.h"
 #include "drawing/offscreen_display.h"
 #include "keyboard.h"  // the last one, because of the macros of X
 #include "live_tool.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation.h"
 #include "evaluation/trajectory_errors.h"
 #include "example_room.h"
-#include "shared/text.h"
 #include "tools/localize_app.h"
 #include "tools/simulate_app.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/map_completion.h"
+#include "outputs/map_completion.h"
 #include "process.h"
 
 #include <facetloc/io/map_database.h>

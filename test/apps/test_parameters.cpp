@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/localization_options.h"
 #include "evaluation/evaluation.h"
+#include "inputs/localization_options.h"
 #include "tool_runner.h"
 #include "tools/localize_app.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/pose_stream.h"
 #include "example_room.h"
 #include "live_tool.h"
+#include "outputs/pose_stream.h"
 #include "tools/localize_app.h"
 
 #include <facetloc/io/depth_sequence.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools under mpirun, as a user runs them: several processes write the same as one.
-#include "base/ranks.h"
+#include "batch/ranks.h"
 #include "process.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"

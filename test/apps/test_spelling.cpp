@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/spelling.h"
+#include "cli/spelling.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A day of a robot that the example supervises: its map, a crash, hands that carry it, the dark, a room that
 // is not in its map.
+#include "base/text.h"
 #include "live_tool.h"
-#include "shared/text.h"
 #include "tools/simulate_app.h"
 
 #include <facetloc/io/depth_sequence.h>

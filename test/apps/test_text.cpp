@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/text.h"
+#include "cli/text.h"
 
 #include <gtest/gtest.h>
 

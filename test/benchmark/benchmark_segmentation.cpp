@@ -3,13 +3,13 @@
 // Speed of segmentation and features by stages, on one thread, beside two yardsticks: one pass that reads the
 // image and accumulates moments, and PCL's own plane segmentation. Of a simulated room, and of images from
 // all over a depth sequence that FACETLOC_BENCHMARK_SEQUENCE names, in turn: times are means over them.
+#include "base/image_noise.h"
 #include "cluttered_room.h"
 #include "depth_triangulation.h"
 #include "disparity_image.h"
 #include "pcl_planes.h"
 #include "quad_tree.h"
 #include "region_merging.h"
-#include "shared/image_noise.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/segmentation/view_builder.h>

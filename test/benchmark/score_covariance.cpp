@@ -13,14 +13,14 @@
 // (5.35) and 97 % bound (13.97); the share in the 50 and 95 % ellipsoids; and |error| / std along the
 // weakest, middle and strongest principal axis of the stated position, as 50, 90 and 97 % bounds
 // (0.67, 1.64, 2.17).
-#include "base/app.h"
 #include "base/text.h"
 #include "calibration/map_ambiguity.h"
+#include "cli/app.h"
+#include "cli/text.h"
 #include "covariance_statistics.h"
 #include "image_overlap.h"
 #include "mapped_place.h"
 #include "motion/camera_motion.h"
-#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>

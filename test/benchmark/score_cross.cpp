@@ -7,11 +7,11 @@
 // MAPS end in .flmap, the rest are RECORDINGS; of a folder with a run query/, that run. Each recording is
 // localized image by image in the maps of all other places. A place is called by the name of the map's file,
 // and a recording by its own, or a run by its folder's; PLACE:PATH calls it otherwise.
-#include "base/app.h"
-#include "base/batch.h"
-#include "base/depth_input.h"
-#include "base/localization_options.h"
-#include "base/text.h"
+#include "batch/batch.h"
+#include "cli/app.h"
+#include "cli/text.h"
+#include "inputs/depth_input.h"
+#include "inputs/localization_options.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>

@@ -9,12 +9,12 @@
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
 // the paper's, and with two that stand in for each other. Frames are classed by the rendered truth
 // (facetloc_evaluate). Two threads or twenty: same figures.
-#include "base/app.h"
-#include "base/localization_options.h"
-#include "base/localization_report.h"
 #include "calibration/map_ambiguity.h"
+#include "cli/app.h"
 #include "evaluation/evaluation.h"
+#include "inputs/localization_options.h"
 #include "mapped_place.h"
+#include "outputs/localization_report.h"
 
 #include <facetloc/localization/global_localization.h>
 

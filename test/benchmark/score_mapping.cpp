@@ -9,7 +9,7 @@
 // Each RECORDING is a depth sequence with groundtruth.txt, such as office1/map. The yardstick is generalized
 // ICP from image to image. With -o, DIR/NAME.txt are the trajectories, for facetloc_evaluate. With --gaps,
 // the pieces of recordings from which some seconds are missing, each aligned separately.
-#include "base/app.h"
+#include "cli/app.h"
 #include "evaluation/alignment.h"
 #include "evaluation/trajectory_errors.h"
 #include "gicp_odometry.h"

@@ -15,10 +15,10 @@
 // --camera=PRESET.
 // --peers: beside PCL's own registrations. --others=SEQUENCE: unrelated pairs are completed by one image of
 // each.
+#include "base/median.h"
 #include "cloud_registrations.h"
 #include "posed_pairs.h"
 #include "set_parameter.h"
-#include "shared/median.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>

@@ -11,9 +11,9 @@
 // and drives on. Printed is, after N metres where the map shows something, within 1 m and 20 deg of a
 // local model, how many are sure and how many of these are right. With --unknown each start has a map of its
 // own, without the local models within 3 m of its way.
-#include "base/app.h"
-#include "base/localization_options.h"
 #include "calibration/map_ambiguity.h"
+#include "cli/app.h"
+#include "inputs/localization_options.h"
 #include "mapped_place.h"
 
 #include <facetloc/localization/localizer.h>

@@ -10,9 +10,9 @@
 // local models within the radius of where the query was taken. With --densify, views beside the drive belong
 // to the whole map, and those within the radius are also taken out. With --map, a finished map with poses in
 // the world of the query, such as one of a model, takes the place of the run map/.
-#include "base/app.h"
-#include "base/localization_options.h"
 #include "calibration/map_ambiguity.h"
+#include "cli/app.h"
+#include "inputs/localization_options.h"
 #include "mapped_place.h"
 
 #include <facetloc/io/atomic_file.h>

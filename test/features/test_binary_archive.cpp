@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/binary_archive.h"
+#include "base/binary_archive.h"
 
 #include <gtest/gtest.h>
 

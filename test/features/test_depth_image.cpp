@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/inverse_depth.h"
+#include "base/inverse_depth.h"
 
 #include <facetloc/features/depth_image.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/median.h"
+#include "base/median.h"
 
 #include <gtest/gtest.h>
 

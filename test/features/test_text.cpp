@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "shared/text.h"
+#include "base/text.h"
 
 #include <gtest/gtest.h>
 

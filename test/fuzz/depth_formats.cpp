@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A letter that names a format, and bytes as a depth image of it.
-#include "depth_file.h"
 #include "fuzz_file.h"
+#include "images/depth_file.h"
 
 #include <facetloc/io/error.h>
 

@@ -2,10 +2,10 @@
 // Bytes as a list of images, and its lines as the names of images.
 #include "recordings/image_list.h"
 
+#include "base/text.h"
 #include "fuzz_file.h"
 #include "recordings/name_numbers.h"
 #include "recordings/time_units.h"
-#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 

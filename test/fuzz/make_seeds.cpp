@@ -2,7 +2,7 @@
 // Sound input of the binary formats for the fuzzers to begin with, made by the code that writes these
 // formats: make_seeds FOLDER writes FOLDER/<target>/<name>.
 #include "../io/oni_writer.h"
-#include "base/bytes.h"
+#include "batch/bytes.h"
 #include "small_map.h"
 
 #include <facetloc/features/depth_distortion.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A sound map some of whose cells have been replaced by other values, against the CHECKs of their tables.
-#include "depth_blob.h"
+#include "images/depth_blob.h"
 #include "small_map.h"
 
 #include <sqlite3.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A message of another rank: the first byte says of which type, the others are its bytes. A value that is
 // read has the bytes that it was read from.
-#include "base/bytes.h"
+#include "batch/bytes.h"
 #include "fuzz_file.h"
 
 #include <facetloc/io/map_database.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as a file of --params. Those that are read are the same when they were written and read again.
-#include "base/command_line.h"
-#include "base/depth_input.h"
+#include "cli/command_line.h"
 #include "fuzz_file.h"
+#include "inputs/depth_input.h"
 
 #include <facetloc/localization/localization_params.h>
 

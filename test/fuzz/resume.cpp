@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as the files that --resume reads: the tables of an interrupted run, one after the other with a zero
 // byte between them, and its provenance. Frames that are kept are the same when they are kept again.
-#include "base/provenance.h"
 #include "fuzz_file.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/results.h>

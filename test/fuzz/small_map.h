@@ -2,8 +2,8 @@
 #pragma once
 
 #include "../apps/example_scene.h"
-#include "base/map_completion.h"
 #include "fuzz_file.h"
+#include "outputs/map_completion.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

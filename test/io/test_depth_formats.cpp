@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Depth in formats other than PNG: the same depth comes out of each; a broken file is an error with its
 // name.
-#include "depth_file.h"
+#include "images/depth_file.h"
 #include "temporary_folder.h"
 
 #include <facetloc/io/depth_sequence.h>

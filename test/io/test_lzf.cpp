@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Held against PCL's own LZF.
-#include "lzf.h"
+#include "bytes/lzf.h"
 
 #include <gtest/gtest.h>
 #include <pcl/io/lzf.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "temporary_file.h"
+#include "bytes/temporary_file.h"
 #include "temporary_folder.h"
 
 #include <facetloc/io/error.h>

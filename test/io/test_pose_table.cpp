@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One trajectory in all the forms that people have.
+#include "base/text.h"
 #include "recordings/pose_table.h"
 #include "recordings/recorded_poses.h"
-#include "shared/text.h"
 #include "temporary_folder.h"
 
 #include <facetloc/features/camera_model.h>

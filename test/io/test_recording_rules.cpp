@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings with unknown folders and names: files found, assumptions made, and
 // refusals.
-#include "shared/text.h"
+#include "base/text.h"
 #include "temporary_folder.h"
 
 #include <facetloc/io/depth_sequence.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One recording in all the layouts that people have: the same images, times and poses come out of each.
-#include "shared/text.h"
+#include "base/text.h"
 #include "temporary_folder.h"
 
 #include <facetloc/features/camera_presets.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/pose_fusion.h"
+#include "poses/pose_fusion.h"
 
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>

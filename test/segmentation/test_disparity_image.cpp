@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/image_noise.h"
 #include "disparity_image.h"
-#include "shared/image_noise.h"
 
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/image_noise.h"
+#include "base/image_noise.h"
 
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/random_segments.h>

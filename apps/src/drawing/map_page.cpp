@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/map_page.h"
 
-#include "base/text.h"
+#include "cli/text.h"
 #include "drawing/html_text.h"
 #include "drawing/map_page_data.h"
 #include "drawing/page_files.h"

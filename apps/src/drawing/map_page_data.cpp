@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/map_page_data.h"
 
-#include "base/text.h"
+#include "cli/text.h"
 #include "drawing/html_text.h"
 #include "drawing/matched_segments.h"
 #include "drawing/plan_view.h"

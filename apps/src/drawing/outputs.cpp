@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/outputs.h"
 
-#include "base/command_line.h"
+#include "cli/command_line.h"
 
 #include <facetloc/io/png.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/text.h"
+#include "cli/text.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/match_pictures.h"
 #include "drawing/page.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/alignment.h"
 
-#include "shared/median.h"
+#include "base/median.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluate_app.h"
 
-#include "base/depth_input.h"
 #include "base/text.h"
+#include "cli/text.h"
 #include "drawing/offscreen_display.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/evaluation_pictures.h"
 #include "evaluation/start_curves.h"
 #include "evaluation/trajectory_report.h"
 #include "evaluation/verdict.h"
-#include "shared/text.h"
+#include "inputs/depth_input.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

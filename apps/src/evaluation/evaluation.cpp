@@ -2,7 +2,7 @@
 #include "evaluation/evaluation.h"
 
 #include "base/text.h"
-#include "shared/text.h"
+#include "cli/text.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/so3.h>

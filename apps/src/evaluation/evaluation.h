@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/provenance.h"
 #include "evaluation/alignment.h"
 #include "evaluation/frame_truth.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/params.h>

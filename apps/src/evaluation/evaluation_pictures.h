@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/app.h"
+#include "cli/app.h"
 #include "drawing/map_page.h"
 #include "evaluation/evaluation_report.h"
 

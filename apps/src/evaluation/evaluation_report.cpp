@@ -2,8 +2,8 @@
 #include "evaluation/evaluation_report.h"
 
 #include "base/text.h"
+#include "cli/text.h"
 #include "evaluation/trajectory_report.h"
-#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
 

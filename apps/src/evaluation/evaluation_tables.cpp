@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_tables.h"
 
-#include "shared/text.h"
+#include "base/text.h"
 
 #include <facetloc/features/chi_square.h>
 

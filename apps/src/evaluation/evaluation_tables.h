@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/text.h"
+#include "cli/text.h"
 #include "evaluation/evaluation_details.h"
 
 #include <ostream>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/frame_truth.h"
 
-#include "shared/text.h"
+#include "base/text.h"
 
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/run_images.h"
 
-#include "base/depth_input.h"
+#include "inputs/depth_input.h"
 
 #include <facetloc/io/error.h>
 

@@ -2,8 +2,8 @@
 #include "evaluation/start_curves.h"
 
 #include "base/text.h"
+#include "cli/text.h"
 #include "drawing/charts.h"
-#include "shared/text.h"
 
 #include <facetloc/io/atomic_file.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/trajectory_errors.h"
 
-#include "shared/text.h"
+#include "base/text.h"
 
 #include <facetloc/features/so3.h>
 

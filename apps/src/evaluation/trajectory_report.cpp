@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/trajectory_report.h"
 
+#include "base/text.h"
 #include "drawing/svg_charts.h"
 #include "evaluation/html_report.h"
-#include "shared/text.h"
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/verdict.h"
 
-#include "base/text.h"
+#include "cli/text.h"
 
 #include <algorithm>
 #include <cmath>

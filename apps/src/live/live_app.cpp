@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_app.h"
 
-#include "base/localization_options.h"
-#include "base/localization_report.h"
-#include "base/map_completion.h"
-#include "base/pose_stream.h"
-#include "base/provenance.h"
-#include "base/start_option.h"
 #include "drawing/outputs.h"
+#include "inputs/localization_options.h"
+#include "inputs/start_option.h"
 #include "live/live_extension.h"
 #include "live/live_run.h"
+#include "outputs/localization_report.h"
+#include "outputs/map_completion.h"
+#include "outputs/pose_stream.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_extension.h"
 
-#include "base/map_completion.h"
-#include "base/map_watch.h"
-#include "base/text.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
+#include "outputs/map_completion.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_mapping.h"
 
-#include "base/provenance.h"
-#include "base/text.h"
+#include "cli/text.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/io/error.h>
 

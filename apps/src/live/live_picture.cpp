@@ -2,6 +2,7 @@
 #include "live/live_picture.h"
 
 #include "base/text.h"
+#include "cli/text.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/page.h"
 #include "drawing/vtk_picture.h"
@@ -9,7 +10,6 @@
 #include "live/live_label.h"
 #include "live/live_plan.h"
 #include "live/live_words.h"
-#include "shared/text.h"
 
 #include <vtkCamera.h>
 

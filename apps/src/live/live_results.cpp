@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_results.h"
 
-#include "base/localization_report.h"
-#include "shared/text.h"
+#include "base/text.h"
+#include "outputs/localization_report.h"
 
 #include <facetloc/io/atomic_file.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_run.h"
 
-#include "base/localization_options.h"
-#include "base/start_option.h"
 #include "base/text.h"
+#include "cli/text.h"
 #include "drawing/outputs.h"
-#include "shared/text.h"
+#include "inputs/localization_options.h"
+#include "inputs/start_option.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/error.h>

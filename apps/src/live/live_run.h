@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/pose_stream.h"
-#include "base/stop_signal.h"
+#include "cli/stop_signal.h"
 #include "drawing/offscreen_display.h"
 #include "live/live_app.h"
 #include "live/live_extension.h"
@@ -12,6 +11,7 @@
 #include "live/live_status.h"
 #include "live/live_window.h"
 #include "live/remembered_pose.h"
+#include "outputs/pose_stream.h"
 
 #include <facetloc/io/oni_recorder.h>
 

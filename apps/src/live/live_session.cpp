@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_session.h"
 
-#include "base/milliseconds.h"
 #include "base/text.h"
-#include "shared/text.h"
+#include "cli/milliseconds.h"
+#include "cli/text.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_status.h"
 
-#include "shared/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 #include "live/live_words.h"
 
 #include "base/text.h"
-#include "shared/text.h"
+#include "cli/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/robot_line.h"
+#include "inputs/robot_line.h"
 
 #include <facetloc/features/camera_model.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/remembered_pose.h"
 
-#include "base/pose_stream.h"
-#include "base/robot_line.h"
+#include "inputs/robot_line.h"
+#include "outputs/pose_stream.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/check_app.h"
 
-#include "base/batch.h"
-#include "base/map_watch.h"
+#include "base/median.h"
 #include "base/text.h"
-#include "shared/median.h"
-#include "shared/text.h"
+#include "batch/batch.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
 #include "tools/image_trajectory.h"
 #include "tools/noise_table.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/depth_input.h"
+#include "inputs/depth_input.h"
 
 #include <facetloc/features/noise_over_range.h>
 #include <facetloc/mapping/map_making.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert_app.h"
 
-#include "base/batch.h"
-#include "base/depth_input.h"
-#include "base/provenance.h"
-#include "base/text.h"
+#include "batch/batch.h"
+#include "cli/text.h"
+#include "inputs/depth_input.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>

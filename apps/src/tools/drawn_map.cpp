@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/drawn_map.h"
 
-#include "base/other_tool.h"
+#include "cli/other_tool.h"
 #include "drawing/outputs.h"
 
 #include <facetloc/io/error.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/drive.h"
 
-#include "base/batch.h"
+#include "batch/batch.h"
 
 namespace facetloc {
 

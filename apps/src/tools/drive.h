@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/app.h"
+#include "cli/app.h"
 
 #include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_image.h>

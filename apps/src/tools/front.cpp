@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/front.h"
 
-#include "base/spelling.h"
+#include "cli/spelling.h"
 #include "tools/try_app.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/image_trajectory.h"
 
-#include "base/odometry_file.h"
-#include "base/text.h"
+#include "cli/text.h"
+#include "inputs/odometry_file.h"
 
 #include <facetloc/io/error.h>
 

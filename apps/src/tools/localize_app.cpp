@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/localize_app.h"
 
-#include "base/batch.h"
-#include "base/localization_hints.h"
-#include "base/localization_options.h"
-#include "base/localization_report.h"
-#include "base/milliseconds.h"
-#include "base/odometry_file.h"
-#include "base/pose_stream.h"
-#include "base/start_option.h"
 #include "base/text.h"
+#include "batch/batch.h"
+#include "cli/milliseconds.h"
+#include "cli/text.h"
 #include "drawing/outputs.h"
-#include "shared/text.h"
+#include "inputs/localization_options.h"
+#include "inputs/odometry_file.h"
+#include "inputs/start_option.h"
+#include "outputs/localization_hints.h"
+#include "outputs/localization_report.h"
+#include "outputs/pose_stream.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>

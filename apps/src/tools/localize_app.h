@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/app.h"
-#include "base/depth_input.h"
-#include "base/gravity_option.h"
-#include "base/provenance.h"
-#include "base/shared_batch.h"
+#include "batch/shared_batch.h"
+#include "cli/app.h"
+#include "inputs/depth_input.h"
+#include "inputs/gravity_option.h"
+#include "outputs/provenance.h"
 #include "tools/drive.h"
 
 #include <facetloc/io/results.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_apps.h"
 
-#include "base/map_completion.h"
-#include "base/map_watch.h"
-#include "base/provenance.h"
 #include "base/text.h"
-#include "shared/text.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
+#include "outputs/map_completion.h"
+#include "outputs/provenance.h"
 #include "tools/map_calibrate_app.h"
 #include "tools/map_densify_app.h"
 #include "tools/map_extend_app.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/app.h"
-#include "base/depth_input.h"
-#include "base/gravity_option.h"
-#include "base/shared_batch.h"
+#include "batch/shared_batch.h"
+#include "cli/app.h"
+#include "inputs/depth_input.h"
+#include "inputs/gravity_option.h"
 #include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/batch.h"
-#include "base/map_completion.h"
-#include "base/map_watch.h"
-#include "base/provenance.h"
-#include "base/text.h"
+#include "batch/batch.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
+#include "outputs/map_completion.h"
+#include "outputs/provenance.h"
 #include "tools/map_apps.h"
 
 #include <facetloc/io/depth_values.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_calibrate_app.h"
 
-#include "base/batch.h"
-#include "base/localization_options.h"
-#include "base/map_watch.h"
 #include "base/text.h"
-#include "shared/text.h"
+#include "batch/batch.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
+#include "inputs/localization_options.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

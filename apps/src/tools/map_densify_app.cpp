@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_densify_app.h"
 
-#include "base/depth_input.h"
-#include "base/map_completion.h"
-#include "base/map_watch.h"
-#include "base/text.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
+#include "inputs/depth_input.h"
+#include "outputs/map_completion.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_extend_app.h"
 
-#include "base/map_completion.h"
-#include "base/map_watch.h"
-#include "base/provenance.h"
-#include "base/text.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
+#include "outputs/map_completion.h"
+#include "outputs/provenance.h"
 #include "tools/drawn_map.h"
 
 #include <facetloc/features/map_parts.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/app.h"
-#include "base/depth_input.h"
+#include "cli/app.h"
+#include "inputs/depth_input.h"
 #include "tools/image_trajectory.h"
 
 #include <facetloc/mapping/map_session.h>

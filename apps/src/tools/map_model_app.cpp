@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/map_model_app.h"
 
-#include "base/map_completion.h"
-#include "base/map_watch.h"
-#include "base/text.h"
+#include "batch/map_watch.h"
+#include "cli/text.h"
+#include "outputs/map_completion.h"
 #include "tools/drawn_map.h"
 #include "tools/model_axes.h"
 

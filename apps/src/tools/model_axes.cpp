@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/model_axes.h"
 
-#include "base/app.h"
-#include "shared/text.h"
+#include "base/text.h"
+#include "cli/app.h"
 
 #include <facetloc/features/so3.h>
 

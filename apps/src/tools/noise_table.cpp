@@ -2,7 +2,7 @@
 #include "tools/noise_table.h"
 
 #include "base/text.h"
-#include "shared/text.h"
+#include "cli/text.h"
 
 #include <cmath>
 #include <fmt/core.h>

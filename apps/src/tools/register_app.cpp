@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/register_app.h"
 
-#include "base/localization_options.h"
-#include "base/localization_report.h"
-#include "base/milliseconds.h"
-#include "base/text.h"
+#include "cli/milliseconds.h"
+#include "cli/text.h"
+#include "inputs/localization_options.h"
+#include "outputs/localization_report.h"
 
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/segment_file.h>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/render_app.h"
 
-#include "base/batch.h"
-#include "base/localization_options.h"
 #include "base/text.h"
+#include "batch/batch.h"
+#include "cli/text.h"
 #include "drawing/match_pictures.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
 #include "evaluation/failures.h"
-#include "shared/text.h"
+#include "inputs/localization_options.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

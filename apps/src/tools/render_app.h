@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/app.h"
-#include "base/depth_input.h"
+#include "cli/app.h"
 #include "evaluation/evaluation.h"
+#include "inputs/depth_input.h"
 
 #include <facetloc/localization/global_localization.h>
 

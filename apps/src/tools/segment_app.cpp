@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/segment_app.h"
 
-#include "base/provenance.h"
-#include "base/shared_batch.h"
-#include "base/text.h"
+#include "batch/shared_batch.h"
+#include "cli/text.h"
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
+#include "outputs/provenance.h"
 #include "tools/noise_table.h"
 
 #include <facetloc/io/atomic_file.h>

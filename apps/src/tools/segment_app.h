@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/app.h"
-#include "base/depth_input.h"
-#include "base/provenance.h"
+#include "cli/app.h"
+#include "inputs/depth_input.h"
+#include "outputs/provenance.h"
 
 #include <filesystem>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/simulate_app.h"
 
-#include "base/batch.h"
 #include "base/text.h"
+#include "batch/batch.h"
+#include "cli/text.h"
 #include "evaluation/frame_truth.h"
-#include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/try_app.h"
 
-#include "base/depth_input.h"
-#include "base/heartbeat.h"
-#include "base/text.h"
+#include "cli/heartbeat.h"
+#include "cli/text.h"
 #include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation_report.h"
+#include "inputs/depth_input.h"
 #include "tools/check_app.h"
 #include "tools/localize_app.h"
 #include "tools/map_apps.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "openni_handle.h"
-#include "persistent_threads.h"
+#include "bytes/persistent_threads.h"
+#include "devices/openni_handle.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>

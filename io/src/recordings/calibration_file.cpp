@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/calibration_file.h"
 
-#include "files.h"
-#include "yaml_entries.h"
+#include "bytes/files.h"
+#include "bytes/yaml_entries.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/depth_messages.h"
 
-#include "png_memory.h"
+#include "base/text.h"
+#include "images/png_memory.h"
 #include "recordings/rvl.h"
-#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "depth_file.h"
+#include "images/depth_file.h"
 #include "recordings/ros_messages.h"
 
 #include <facetloc/features/depth_image.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/image_list.h"
 
-#include "depth_file.h"
-#include "files.h"
+#include "base/text.h"
+#include "bytes/files.h"
+#include "images/depth_file.h"
 #include "recordings/name_numbers.h"
 #include "recordings/pose_table.h"
-#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <fmt/format.h>
 #include <functional>
 #include <iterator>
@@ -30,11 +29,6 @@ constexpr const char* kDepth = "depth";  // part of the name of an image or of i
 constexpr const char* kOthers[] = {"conf", "confidence", "color",   "colour", "rgb",  "mask", "label",
                                    "seg",  "normal",     "normals", "ir",     "gray", "grey", "amplitude"};
 
-std::string lower(std::string s) {
-  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
-
 /** frame-000000.depth.png, depth_00001.png, 000001-depth.png. */
 bool isNamedDepth(const fs::path& path) { return hasWord(path.stem().string(), kDepth); }
 
@@ -46,7 +40,7 @@ bool isNamedOtherwise(const fs::path& path) {
 }
 
 bool mentionsDepth(const fs::path& folder) {
-  return lower(folder.filename().string()).find(kDepth) != std::string::npos;
+  return text::lower(folder.filename().string()).find(kDepth) != std::string::npos;
 }
 
 bool isInDepthFolder(std::string_view path) {
@@ -154,7 +148,7 @@ private:
   static bool isHeader(const ListLine& line) {
     return line.after.empty() &&
            std::any_of(line.paths.begin(), line.paths.end(), [](const ListLine::Path& p) {
-             return lower(p.text).find("stamp") != std::string::npos || lower(p.text) == "time";
+             return text::lower(p.text).find("stamp") != std::string::npos || text::lower(p.text) == "time";
            });
   }
 
@@ -223,20 +217,12 @@ private:
 
 }  // namespace
 
-bool endsWith(const std::string& name, const std::string& ending) {
-  return name.size() >= ending.size() &&
-         name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
-}
-
-std::string lowerExtension(const fs::path& path) { return lower(path.extension().string()); }
-
 std::string frameName(const fs::path& path) {
   const std::string name = path.filename().string();
   if (isSegmentFile(path)) return name.substr(0, name.size() - std::string(kSegmentEnding).size());
   return path.stem().string();
 }
 
-bool isPng(const fs::path& path) { return lowerExtension(path) == ".png"; }
 bool isCloud(const fs::path& path) { return lowerExtension(path) == ".pcd"; }
 bool isImage(const fs::path& path) { return isDepthFile(path) || isCloud(path); }
 bool isImageList(const fs::path& path) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "bytes/files.h"
+
 #include <Eigen/Geometry>
 
 #include <filesystem>
@@ -20,12 +22,8 @@ struct ListedImage {
   std::optional<Eigen::Isometry3d> T_w_c{};  ///< as a list says it
 };
 
-bool endsWith(const std::string& name, const std::string& ending);
-/** \brief ".png" of a.PNG. */
-std::string lowerExtension(const std::filesystem::path& path);
 /** \brief The name of a frame by its file's: "a" of a.png and of a.segments.pcd. */
 std::string frameName(const std::filesystem::path& path);
-bool isPng(const std::filesystem::path& path);
 bool isCloud(const std::filesystem::path& path);
 /** \brief A depth image or a cloud, by its name. */
 bool isImage(const std::filesystem::path& path);

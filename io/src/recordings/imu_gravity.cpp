@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/median.h"
 #include "recordings/frame_tree.h"
 #include "recordings/image_list.h"
 #include "recordings/message_poses.h"
-#include "shared/median.h"
 
 #include <algorithm>
 #include <cmath>

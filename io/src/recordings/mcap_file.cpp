@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MCAP, after its public specification (mcap.dev/spec). The file is read from its beginning; the index at its
 // end, which an unfinished file lacks, is not needed and not believed.
-#include "files.h"
+#include "bytes/files.h"
 #include "recordings/message_file.h"
 #include "recordings/ros_messages.h"
 #include "recordings/unpack.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/message_camera.h"
 
+#include "base/text.h"
 #include "recordings/calibration_file.h"
 #include "recordings/image_list.h"
 
 #include <facetloc/features/camera_presets.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <stdexcept>
 
@@ -17,15 +17,10 @@ namespace {
 constexpr const char* kRealSenseImages = "/image/data";  // ending of the topics of RealSense's recorder
 constexpr double kMillimetres = 1000;                    // values per metre
 
-std::string lower(std::string s) {
-  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
-
 /** /device_0/sensor_0/Depth_0/image/data -> /device_0/sensor_0/option/Depth Units/value. */
 void findDepthUnit(const MessageLog& log, CameraFile& camera) {
   for (const MessageTopic& topic : log.topicsOf(FloatMessage::kType)) {
-    const std::string name = lower(topic.name);
+    const std::string name = text::lower(topic.name);
     if (name.find("depth units") == std::string::npos && name.find("depth_units") == std::string::npos)
       continue;
     log.readFirst<FloatMessage>(topic.name, [&camera](const FloatMessage& unit) {
@@ -81,7 +76,7 @@ MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& image
   camera.file.preset = preset.name;
   camera.file.depth_scale = kMillimetres;
   if (is_realsense) findDepthUnit(log, camera.file);
-  const bool called_rectified = lower(topic).find("rect") != std::string::npos;
+  const bool called_rectified = text::lower(topic).find("rect") != std::string::npos;
   const auto use = [&](const CameraInfoMessage& info) { take(info, called_rectified, camera); };
   if (log.readFirst<CameraInfoMessage>(base + "/camera_info", use)) return camera;
   const std::string matching = matchingTopic(log, images);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/message_file.h"
 
-#include "files.h"
+#include "base/text.h"
+#include "bytes/files.h"
 #include "recordings/image_list.h"
 #include "recordings/ros_messages.h"
-#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 

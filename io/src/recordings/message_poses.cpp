@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/message_poses.h"
 
-#include "pose_columns.h"
 #include "recordings/frame_tree.h"
+#include "results/pose_columns.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/message_recording.h"
 
+#include "base/text.h"
 #include "recordings/calibration_file.h"
 #include "recordings/depth_messages.h"
 #include "recordings/image_list.h"
 #include "recordings/message_camera.h"
 #include "recordings/message_log.h"
 #include "recordings/message_poses.h"
-#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <functional>
 #include <tuple>
@@ -23,11 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kCompressedTopic = "/compressedDepth";
-
-std::string lower(std::string s) {
-  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
 
 /** The topic of the plain images, of which these are. */
 std::string baseOf(const std::string& topic) {
@@ -96,7 +90,7 @@ private:
     addDepthTopics<ImageMessage>(depth);
     addDepthTopics<CompressedImageMessage>(depth);
     const auto rank = [&](const MessageTopic& t) {
-      const bool is_named = lower(t.name).find("depth") != std::string::npos;
+      const bool is_named = text::lower(t.name).find("depth") != std::string::npos;
       const bool is_plain = t.type == ImageMessage::kType;
       return std::tuple(t.name != wanted, !is_named, -static_cast<std::int64_t>(t.count), !is_plain, t.name);
     };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/pose_table.h"
 
-#include "files.h"
-#include "plausible.h"
-#include "pose_columns.h"
+#include "base/text.h"
+#include "bytes/files.h"
+#include "bytes/plausible.h"
 #include "recordings/pose_header.h"
-#include "shared/text.h"
+#include "results/pose_columns.h"
 
 #include <facetloc/io/error.h>
 

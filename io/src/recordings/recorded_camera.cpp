@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/recorded_camera.h"
 
-#include "depth_file.h"
-#include "files.h"
+#include "base/text.h"
+#include "bytes/files.h"
+#include "images/depth_file.h"
 #include "recordings/calibration_file.h"
-#include "shared/text.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/recorded_poses.h"
 
-#include "files.h"
-#include "shared/text.h"
+#include "base/text.h"
+#include "bytes/files.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/recording_layout.h"
 
+#include "base/text.h"
 #include "recordings/name_numbers.h"
 #include "recordings/pose_files.h"
-#include "shared/text.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Databases of rosbag2: one table of topics, one of messages.
+#include "bytes/sqlite.h"
 #include "recordings/message_file.h"
 #include "recordings/ros_messages.h"
 #include "recordings/unpack.h"
-#include "sqlite.h"
 
 #include <facetloc/io/error.h>
 

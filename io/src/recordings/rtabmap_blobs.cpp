@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/rtabmap_blobs.h"
 
-#include "png_memory.h"
+#include "images/png_memory.h"
 #include "recordings/pose_table.h"
 #include "recordings/rvl.h"
 

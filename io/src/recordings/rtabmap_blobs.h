@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "depth_file.h"
+#include "images/depth_file.h"
 #include "recordings/message_reader.h"
 
 #include <facetloc/features/camera_model.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/rtabmap_database.h"
 
-#include "files.h"
-#include "plausible.h"
+#include "bytes/files.h"
+#include "bytes/plausible.h"
+#include "bytes/sqlite.h"
 #include "recordings/depth_messages.h"
 #include "recordings/rtabmap_blobs.h"
-#include "sqlite.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/sequence_reader.h"
 
-#include "cloud_axes.h"
-#include "depth_file.h"
+#include "clouds/cloud_axes.h"
+#include "images/depth_file.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>

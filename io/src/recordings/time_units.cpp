@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/time_units.h"
 
-#include "shared/median.h"
+#include "base/median.h"
 
 #include <algorithm>
 #include <cmath>

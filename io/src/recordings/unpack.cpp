@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/unpack.h"
 
-#include "shared/text.h"
+#include "base/text.h"
 
 #include <facetloc/io/error.h>
 

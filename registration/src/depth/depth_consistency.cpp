@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth/depth_consistency.h"
 
+#include "base/lanes.h"
 #include "depth/depth_difference.h"
-#include "shared/lanes.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth/depth_normal_equations.h"
 
+#include "base/lanes.h"
 #include "depth/depth_consistency.h"
 #include "depth/depth_difference.h"
 #include "depth/moved_pixels.h"
-#include "shared/lanes.h"
 
 namespace facetloc::internal {
 namespace {

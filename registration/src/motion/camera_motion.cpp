@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motion/camera_motion.h"
 
-#include "shared/pose_fusion.h"
-#include "shared/pose_radius.h"
+#include "poses/pose_fusion.h"
+#include "poses/pose_radius.h"
 
 #include <facetloc/features/chi_square.h>
 

@@ -3,7 +3,7 @@
 
 #include "depth/depth_fit.h"
 #include "pairs/joint_refinement.h"
-#include "shared/pose_radius.h"
+#include "poses/pose_radius.h"
 
 #include <facetloc/registration/pose_prior.h>
 

@@ -3,7 +3,7 @@
 #include "belief/place_following.h"
 #include "belief/smoothed_places.h"
 #include "motion/camera_motion.h"
-#include "shared/pose_radius.h"
+#include "poses/pose_radius.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/localization/global_localization.h>

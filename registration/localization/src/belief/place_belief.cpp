@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/place_belief.h"
 
-#include "shared/in_parallel.h"
-#include "shared/pose_fusion.h"
-#include "shared/pose_radius.h"
+#include "poses/pose_fusion.h"
+#include "poses/pose_radius.h"
+#include "threads/in_parallel.h"
 
 #include <facetloc/features/chi_square.h>
 

@@ -2,7 +2,7 @@
 #include "belief/place_following.h"
 
 #include "nearby/hypothesis_ranking.h"
-#include "shared/pose_fusion.h"
+#include "poses/pose_fusion.h"
 
 #include <facetloc/registration/pose_prior.h>
 

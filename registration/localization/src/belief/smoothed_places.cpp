@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/smoothed_places.h"
 
+#include "poses/pose_fusion.h"
 #include "ranking/place_ranking.h"
-#include "shared/pose_fusion.h"
 
 #include <facetloc/features/chi_square.h>
 

@@ -2,8 +2,8 @@
 #include "pairs/mounting_check.h"
 #include "pairs/view_registration.h"
 #include "ranking/place_ranking.h"
-#include "shared/in_parallel.h"
 #include "shortlist/shortlist.h"
+#include "threads/in_parallel.h"
 
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/localization/global_localization.h>
@@ -125,7 +125,7 @@ bool GlobalLocalization::Impl::isLevelIn(const View& view) const {
   return view.gravity && !map->models.empty() && gravityOf(view, 0, *map->view(0));
 }
 
-// In the frame of a local model; nothing if it is unknown there, or of the view.
+// Gravity in the frame of a local model; nothing if it is unknown there, or for the view.
 std::optional<Gravity> GlobalLocalization::Impl::gravityOf(const View& view, int model,
                                                            const View& of_model) const {
   if (!view.gravity || !view.gravity->valid()) return {};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shortlist/coarse_aligner.h"
 
+#include "base/lanes.h"
 #include "depth/moved_pixels.h"
-#include "shared/lanes.h"
 #include "shortlist/place_reach.h"
 #include "shortlist/wall_pairs.h"
 

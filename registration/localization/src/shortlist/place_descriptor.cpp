@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shortlist/place_descriptor.h"
 
+#include "base/lanes.h"
 #include "depth/depth_consistency.h"
-#include "shared/lanes.h"
 
 #include <Eigen/LU>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shortlist/plane_triplet_matcher.h"
 
-#include "shared/lanes.h"
+#include "base/lanes.h"
 
 #include <facetloc/features/so3.h>
 

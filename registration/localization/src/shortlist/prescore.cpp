@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shortlist/prescore.h"
 
-#include "shared/lanes.h"
+#include "base/lanes.h"
 #include "shortlist/place_reach.h"
 #include "shortlist/wall_pairs.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shortlist/shortlist.h"
 
-#include "shared/in_parallel.h"
+#include "threads/in_parallel.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "shared/lanes.h"
+#include "base/lanes.h"
 #include "shortlist/place_descriptor.h"
 
 namespace facetloc::internal {

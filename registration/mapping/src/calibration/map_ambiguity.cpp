@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/map_ambiguity.h"
 
-#include "shared/pose_radius.h"
+#include "poses/pose_radius.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/features/rendered_views.h>

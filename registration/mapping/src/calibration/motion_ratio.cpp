@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/motion_ratio.h"
 
-#include "shared/median.h"
+#include "base/median.h"
 
 #include <facetloc/features/pose.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/pose_check.h"
 
+#include "base/median.h"
 #include "calibration/motion_ratio.h"
-#include "shared/median.h"
 
 #include <algorithm>
 #include <cmath>

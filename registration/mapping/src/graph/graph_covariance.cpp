@@ -2,7 +2,7 @@
 #include "graph/graph_covariance.h"
 
 #include "graph/pose_problem.h"
-#include "shared/in_parallel.h"
+#include "threads/in_parallel.h"
 
 namespace facetloc::internal {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/median.h"
 #include "models/model_points.h"
 #include "models/ray_caster.h"
-#include "shared/in_parallel.h"
-#include "shared/median.h"
+#include "threads/in_parallel.h"
 
 #include <facetloc/mapping/cloud_surface.h>
 
@@ -77,7 +77,7 @@ Surfel surfelOf(const Points& points, std::size_t i, const pcl::Indices& neighbo
   return surfel;
 }
 
-/** Of the points that belong to a surface, in their order. */
+/** Surfels of the points that belong to a surface, in their order. */
 std::vector<Surfel> surfelsOf(const Points::ConstPtr& points, int threads) {
   const Neighbours tree(points);
   const std::size_t n = points->size();

@@ -3,7 +3,7 @@
 
 #include "depth/depth_consistency.h"
 #include "nearby/view_alignment.h"
-#include "shared/in_parallel.h"
+#include "threads/in_parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr ViewReach kSameSurfaces{6, 100 * kDegree};  // reach of pictures that 
 constexpr std::size_t kMostSources = 24;              // pictures that an image is rendered of
 constexpr int kSampleStep = 12;                       // spacing of the pixels by which these are chosen
 
-/** Of each pixel of a picture: do more of the others look through it than agree with it? */
+/** Flags the pixels of a picture that more of the others look through than agree with. */
 std::vector<char> contradicted(const std::vector<PosedPicture>& pictures, std::size_t i,
                                const DepthComparison& comparison) {
   const PosedPicture& own = pictures[i];

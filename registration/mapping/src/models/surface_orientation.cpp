@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/median.h"
 #include "models/cube_view.h"
 #include "models/surface_samples.h"
-#include "shared/median.h"
 
 #include <facetloc/mapping/surface_orientation.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/surface_samples.h"
 
+#include "base/median.h"
 #include "models/cube_view.h"
-#include "shared/in_parallel.h"
-#include "shared/median.h"
+#include "threads/in_parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr double kOpen = 0.2;           // ... of a surface that surrounds nothi
 constexpr double kFewestInside = 0.01;  // share of the positions that are inside, unless it is open
 constexpr double kNarrow = 0.25;        // share of the usual distance: inside a wall or a cupboard
 
-/** Of the Halton sequence, between 0 and 1. */
+/** Element i of the Halton sequence, between 0 and 1. */
 double radicalInverse(int i, int base) {
   double value = 0, digit = 1;
   for (; i > 0; i /= base) digit /= base, value += digit * (i % base);

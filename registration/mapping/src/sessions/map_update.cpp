@@ -3,9 +3,9 @@
 
 #include "motion/view_placing.h"
 #include "nearby/view_alignment.h"
+#include "poses/pose_radius.h"
 #include "sessions/free_space_violations.h"
-#include "shared/in_parallel.h"
-#include "shared/pose_radius.h"
+#include "threads/in_parallel.h"
 
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/sure_threshold.h>

@@ -3,9 +3,9 @@
 
 #include "graph/consensus_alignment.h"
 #include "graph/graph_covariance.h"
+#include "poses/pose_radius.h"
 #include "sessions/parallel_stage.h"
-#include "shared/in_parallel.h"
-#include "shared/pose_radius.h"
+#include "threads/in_parallel.h"
 #include "trajectory/keyframe_graph.h"
 
 #include <facetloc/features/chi_square.h>
@@ -26,7 +26,7 @@ constexpr double kMapRotation = 0.2 * kDegree, kMapTranslation = 0.01;  // [m]
 
 constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 
-// Of a keyframe in the map, beyond which nothing is concluded from it [m].
+// Standard deviations of a keyframe in the map, beyond which nothing is concluded from it [rad, m].
 constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
 
 // Tolerance for two images that agree on a place, beyond the trajectory's errors.
@@ -55,7 +55,7 @@ std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
   return found;
 }
 
-/** Of its keyframes alone: the floor of the map is not the floor of the session's world. */
+/** Graph of its keyframes alone: the floor of the map is not the floor of the session's world. */
 PoseGraph graphOf(const CameraTrajectory& trajectory) {
   std::vector<Eigen::Isometry3d> T_w_k;
   for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);

@@ -2,8 +2,8 @@
 #include "trajectory/overlap_verdict.h"
 
 #include "depth/depth_consistency.h"
-#include "shared/pose_fusion.h"
-#include "shared/pose_radius.h"
+#include "poses/pose_fusion.h"
+#include "poses/pose_radius.h"
 
 #include <facetloc/features/chi_square.h>
 #include <facetloc/registration/pose_prior.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/tie_search.h"
 
-#include "shared/in_parallel.h"
 #include "shortlist/plane_triplet_matcher.h"
+#include "threads/in_parallel.h"
 
 #include <facetloc/localization/place_index.h>
 
@@ -111,7 +111,7 @@ TravelBound::TravelBound(const std::vector<TieEnd>& keyframes, const CameraSpeed
                          const GraphCovariance& graph)
     : keyframes_(keyframes), speed_(speed), graph_(graph) {}
 
-// Of the first part, and of the second; (-1, -1) if the camera was interrupted between all of them.
+// Keyframes of the two parts, nearest in time; (-1, -1) if the camera was interrupted between all of them.
 std::pair<int, int> TravelBound::nearestInTime(int part_a, int part_b) const {
   std::pair<int, int> nearest{-1, -1};
   double least = 0;

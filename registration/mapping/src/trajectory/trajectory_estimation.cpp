@@ -5,9 +5,9 @@
 #include "motion/step_prior.h"
 #include "motion/view_odometry.h"
 #include "motion/view_placing.h"
-#include "shared/in_parallel.h"
-#include "shared/pose_fusion.h"
-#include "shared/pose_radius.h"
+#include "poses/pose_fusion.h"
+#include "poses/pose_radius.h"
+#include "threads/in_parallel.h"
 #include "trajectory/camera_speed.h"
 #include "trajectory/keyframe_graph.h"
 #include "trajectory/overlap_verdict.h"
@@ -43,7 +43,7 @@ constexpr double kSparse = 0.02, kSparseTurnDeg = 1;  // least motion of a camer
 constexpr double kClearAgreement = 0.9;               // agreement of an image with the keyframes before it
 constexpr double kLoopOverlap = 0.3;                  // share that an uncertain loop must have in common
 constexpr double kReachAngle = 45 * kDegree;  // between the viewing directions of keyframes that are compared
-// Of a relative pose, beyond which a lone loop is not believed [m].
+// Standard deviations of a relative pose, beyond which a lone loop is not believed [m, rad].
 constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
 constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
 constexpr int kPasses = 4;           // comparisons of all keyframes, each followed by an optimization
@@ -167,13 +167,13 @@ struct TrajectoryEstimation::Impl {
     int run;                                    // number of interruptions before it
     std::optional<Eigen::Isometry3d> T_before;  // pose in that one, as found with it
   };
-  /** From one image to the next. */
+  /** Motion from one image to the next. */
   struct Motion {
     PoseWithCovariance T;    // pose by all but comparisons with keyframes
     Eigen::Isometry3d best;  // pose by all information
     bool known, guessed;
   };
-  /** Of an image, beside the latest keyframe. */
+  /** Position of an image relative to the latest keyframe. */
   struct Position {
     PoseWithCovariance by_motion;  // motion by all but comparisons with that keyframe
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -369,7 +369,7 @@ bool TrajectoryEstimation::Impl::attachToKnown(const View& view, const Position&
   return true;
 }
 
-// Of a camera that may be anywhere.
+// Begins again with a camera that may be anywhere.
 bool TrajectoryEstimation::Impl::beginAgain(const std::shared_ptr<const View>& view, double stamp) {
   odometry.reset();
   odometry.add(*view, 0);
@@ -393,7 +393,7 @@ bool TrajectoryEstimation::Impl::attach(const std::shared_ptr<const View>& view,
   return true;
 }
 
-// By an odometry that is given and by the views, each as well as it knows.
+// Motion by a given odometry and by the views, each as well as it knows.
 TrajectoryEstimation::Impl::Motion
 TrajectoryEstimation::Impl::motionOf(const ViewMotion& seen, bool is_sparse,
                                      const std::optional<Eigen::Isometry3d>& given) const {
@@ -559,7 +559,7 @@ const Comparison* TrajectoryEstimation::Impl::comparisonOf(const std::pair<int, 
   return earlier == compared->end() ? nullptr : &earlier->second;
 }
 
-// Of keyframes of different parts, each once.
+// Compares keyframes of different parts, each pair once.
 void TrajectoryEstimation::Impl::compareTies(const std::vector<std::pair<int, int>>& pairs,
                                              const Progress& progress) {
   std::vector<std::pair<int, int>> missing;
@@ -601,13 +601,13 @@ std::vector<KeyframeMotion> TrajectoryEstimation::Impl::tieParts(const GraphCova
   return out;
 }
 
-// Of one part, as far as a new keyframe is from the last.
+// True for keyframes of one part that are as far apart as a new keyframe is from the last.
 NodesApart TrajectoryEstimation::Impl::keyframesApart() const {
   const PoseRadius radius{params.odometry.key_distance, params.odometry.key_rotation_deg};
   return [this, radius](int a, int b) { return !radius.joins(T_w_k[a].T, T_w_k[b].T); };
 }
 
-// Of one part, with little in common. The answers are kept for the poses of now.
+// True for keyframes of one part with little in common. The answers are kept for the poses of now.
 NodesApart TrajectoryEstimation::Impl::viewsApart() const {
   const auto known = std::make_shared<std::map<std::pair<int, int>, bool>>();
   return [this, known](int a, int b) {
@@ -620,7 +620,7 @@ NodesApart TrajectoryEstimation::Impl::viewsApart() const {
   };
 }
 
-// Of pieces that are tied into one part, and of each with itself, by all keyframes compared.
+// Verdicts on pieces that are tied into one part, and on each with itself, by all keyframes compared.
 PieceVerdicts TrajectoryEstimation::Impl::verdicts() const {
   PieceVerdicts out;
   std::vector<std::pair<std::pair<int, int>, const Comparison*>> pairs;

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/app.h"
+
+#include "batch/batch.h"
+#include "batch/ranks.h"
+#include "cli/heartbeat.h"
+#include "cli/text.h"
+
+#include <exception>
+#include <fmt/core.h>
+#include <sstream>
+
+namespace facetloc {
+namespace {
+
+void writeAtOnce(std::ostream& out, const std::string& text) {
+  out.write(text.data(), static_cast<std::streamsize>(text.size())).flush();
+}
+
+}  // namespace
+
+void Console::print(const std::string& text) const { writeAtOnce(out, text); }
+
+void Console::note(const std::string& text) const {
+  if (!quiet) error(text);
+}
+
+void Console::error(const std::string& what) const {
+  writeAtOnce(err, fmt::format("{}: {}\n", tool, printable(what)));
+}
+
+void Console::show(const std::string& line) const { writeAtOnce(err, "\r\033[K" + line); }
+
+App::App(std::string name, std::string synopsis, std::string about)
+    : name_(std::move(name)), synopsis_(std::move(synopsis)), about_(std::move(about)) {}
+
+int App::run(const std::vector<std::string>& arguments, Console console) {
+  console.tool = name_;
+  int code = kFailed;
+  std::string what = "failed for an unknown reason";
+  try {
+    Ranks::join();
+    code = runInJob(arguments, console);
+    Ranks::here().leave();
+    return code;
+  } catch (const RankFailed& e) {
+    code = e.code();
+    what = e.what();
+    console.tool += fmt::format(" (rank {})", e.rank());
+  } catch (const UsageError& e) {
+    code = kUsage;
+    what = fmt::format("{}\nTry '{} --help'.", e.what(), name_);
+  } catch (const std::exception& e) {
+    what = e.what();
+  } catch (...) {
+  }
+  if (!Ranks::here().isFirst()) Ranks::here().fail(code, what);
+  console.error(what);
+  Ranks::here().abort(code);
+  return code;
+}
+
+int App::threads() const { return threads_ > 0 ? threads_ : Ranks::here().threads(); }
+
+int App::runInJob(const std::vector<std::string>& arguments, Console& console) {
+  if (Ranks::here().isFirst()) return parseAndExecute(arguments, console);
+  std::ostringstream nowhere;
+  Console silent{nowhere, console.err, false, true, console.tool};
+  parseAndExecute(arguments, silent);
+  return kOk;
+}
+
+/** A person at a terminal sees after a second that work goes on, whatever it is. */
+int App::executeWatched(const CommandLine& line, const Console& console) {
+  if (!console.terminal || console.quiet || console.watched || showsWork())
+    return executeUntilStopped(line, console);
+  const Heartbeat heartbeat(console, name_);
+  return executeUntilStopped(line, heartbeat.console());
+}
+
+/** Ctrl-C in a tool that can go on: the message says how. */
+int App::executeUntilStopped(const CommandLine& line, const Console& console) try {
+  return execute(line, console);
+} catch (const Stopped& e) {
+  if (!line.has("resume")) throw;
+  throw std::runtime_error(fmt::format("{}; the same command with --resume goes on from there", e.what()));
+}
+
+int App::parseAndExecute(const std::vector<std::string>& arguments, Console& console) {
+  CommandLine line(name_, synopsis_, about_);
+  addOptions(line);
+  line.addGeneralOptions(threads_, console.quiet);
+  int code = kOk;
+  if (line.parse(arguments, console.out)) {
+    if (Ranks::here().size() > 1 && !dealsOut())
+      throw UsageError("works in one process like this: start it without mpirun");
+    console.quiet = console.quiet || !Ranks::here().isFirst();
+    code = executeWatched(line, console);
+  }
+  console.out.flush();
+  if (!console.out) throw std::runtime_error("the output cannot be written");
+  return code;
+}
+
+int runApp(App& app, int argc, const char* const* argv) {
+  return app.run({argv + 1, argv + argc}, standardConsole());
+}
+
+std::string versionText() { return "facetloc " FACETLOC_VERSION; }
+
+}  // namespace facetloc

@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
+#include "cli/app.h"
+#include "cli/presets.h"
+#include "cli/spelling.h"
+
+#include <boost/program_options.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace po = boost::program_options;
+
+namespace facetloc {
+namespace {
+
+constexpr unsigned kHelpWidth = 110;
+constexpr const char* kNats =
+    "Scores and evidence are logarithms of odds in nats: each nat multiplies the odds by 2.7.";
+constexpr const char* kUsersTitle = "For users";  // heading of those that --help does not list
+
+std::string underscored(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+/** A name may contain a '#': only the first one of a word begins a comment. */
+std::string withoutComment(const std::string& line) {
+  for (auto i = line.find('#'); i != std::string::npos; i = line.find('#', i + 1))
+    if (i == 0 || std::isspace(static_cast<unsigned char>(line[i - 1]))) return line.substr(0, i);
+  return line;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+bool isTruthValue(const std::string& text) {
+  static const std::set<std::string> known = {"0", "1", "false", "true", "no", "yes", "off", "on"};
+  return known.count(text) > 0;
+}
+
+/** "-5" is a number, "-x" and "--x" ask for an option. */
+bool asksForOption(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' && !text::to<double>(argument);
+}
+
+std::string wrapped(const std::string& paragraph) {
+  std::istringstream words(paragraph);
+  std::string out, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && line.size() + 1 + word.size() > kHelpWidth) {
+      out += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return out + line + "\n";
+}
+
+}  // namespace
+
+struct CommandLine::Declared {
+  struct Group {
+    std::string title;
+    Shown shown;
+    std::unique_ptr<Options> options;
+  };
+  Options common{"Options", kHelpWidth}, rare{"Rarely needed", kHelpWidth}, general{"General", kHelpWidth},
+      hidden;
+  std::vector<Group> groups;  // groups of parameters, in the order of addParams()
+  po::positional_options_description positions;
+  po::variables_map values;
+};
+
+CommandLine::CommandLine(std::string tool, std::string synopsis, std::string about)
+    : tool_(std::move(tool)),
+      synopsis_(std::move(synopsis)),
+      about_(std::move(about)),
+      declared_(std::make_unique<Declared>()) {
+  add(declared_->general, "help,h", po::bool_switch(), "Print this help.", Needs::Nothing);
+  add(declared_->general, "help-all", po::bool_switch(),
+      "Print all options, with those of the algorithms by group.", Needs::Nothing);
+  add(declared_->general, "version", po::bool_switch(), "Print the version.", Needs::Nothing);
+  add(declared_->general, "params", bound(params_file_, "FILE"),
+      "Read options from a file of 'name = value' lines, with [group] lines for those of the algorithms; the "
+      "command line wins.");
+}
+CommandLine::~CommandLine() = default;
+
+CommandLine::Options& CommandLine::common() { return rare_ ? declared_->rare : declared_->common; }
+
+void CommandLine::addGeneralOptions(int& threads, bool& quiet) {
+  add(declared_->general, "threads", bound(threads, "N"), "Threads; 0 = all cores.");
+  add(declared_->general, "quiet,q", po::bool_switch(&quiet), "No progress and no remarks.", Needs::Nothing);
+  checks_.push_back([&threads] {
+    if (threads < 0) throw UsageError(fmt::format("threads = {} is negative", threads));
+  });
+}
+
+void CommandLine::addArgument(const std::string& name, std::string& value, bool required) {
+  arguments_.push_back({name, required});
+  declared_->hidden.add_options()(name.c_str(), po::value(&value), "");
+  declared_->positions.add(name.c_str(), 1);
+}
+
+void CommandLine::addArguments(const std::string& name, std::vector<std::string>& values) {
+  arguments_.push_back({name, true});
+  declared_->hidden.add_options()(name.c_str(), po::value(&values), "");
+  declared_->positions.add(name.c_str(), -1);
+}
+
+void CommandLine::addSwitch(const std::string& name, bool& value, const std::string& help) {
+  add(common(), name, po::bool_switch(&value), help, Needs::Nothing);
+}
+
+CommandLine::Semantic* CommandLine::bound(std::string& value, const std::string& value_name) {
+  return po::value(&value)->value_name(value_name);
+}
+
+CommandLine::Semantic* CommandLine::bound(double& value, const std::string& value_name) {
+  return po::value(&value)->value_name(value_name)->default_value(value, fmt::format("{:g}", value));
+}
+
+CommandLine::Semantic* CommandLine::bound(int& value, const std::string& value_name) {
+  return po::value(&value)->value_name(value_name)->default_value(value);
+}
+
+void CommandLine::add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,
+                      Needs needs) {
+  group.add_options()(name.c_str(), semantic, help.c_str());
+  const auto comma = name.find(',');
+  const Option option{name.substr(0, comma), needs, &group != &declared_->general || name == "threads"};
+  options_[underscored(option.name)] = option;
+  if (comma != std::string::npos) options_[name.substr(comma + 1)] = option;
+}
+
+CommandLine::Options& CommandLine::groupOf(const ParamInfo& info, Shown shown) {
+  const bool for_users = info.audience == Audience::users && shown == Shown::in_help_all;
+  const std::string title = for_users ? kUsersTitle : info.group;
+  for (const Declared::Group& group : declared_->groups)
+    if (group.title == title && group.shown == shown) return *group.options;
+  declared_->groups.push_back({title, shown, std::make_unique<Options>(title, kHelpWidth)});
+  return *declared_->groups.back().options;
+}
+
+void CommandLine::addParameter(Options& group, const std::string& name, bool& value,
+                               const std::string& help) {
+  add(group, name, po::value(&value)->value_name("BOOL")->default_value(value, value ? "1" : "0"), help,
+      Needs::Either);
+}
+
+void CommandLine::addParameter(Options& group, const std::string& name, double& value,
+                               const std::string& help) {
+  add(group, name, bound(value, "NUMBER"), help);
+}
+
+void CommandLine::addParameter(Options& group, const std::string& name, int& value, const std::string& help) {
+  add(group, name, bound(value, "INTEGER"), help);
+}
+
+void CommandLine::addChoice(Options& group, const std::string& name, const std::string& value,
+                            const std::string& help, const std::function<void(const std::string&)>& assign) {
+  add(group, name, po::value<std::string>()->value_name("NAME")->default_value(value)->notifier(assign),
+      help);
+  const auto dot = name.rfind(".method");
+  if (dot != std::string::npos) options_[name.substr(0, dot)] = options_[name];
+}
+
+void CommandLine::addPresets() {
+  addOption("preset", preset_, "NAME",
+            fmt::format("Predefined set of parameters: {}.", fmt::join(presetNames(), ", ")));
+}
+
+const CommandLine::Option* CommandLine::find(std::string name) const {
+  const auto found = options_.find(underscored(std::move(name)));
+  return found == options_.end() ? nullptr : &found->second;
+}
+
+/** Of all options. */
+std::vector<std::string> CommandLine::names() const {
+  std::vector<std::string> names;
+  for (const auto& [key, option] : options_)
+    if (key.size() > 1) names.push_back(option.name);  // else a short one
+  return names;
+}
+
+/** Brings every option into the form --declared-name=value, which leaves nothing for Boost to guess. */
+std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>& arguments) const {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    if (argument == "--") return out.insert(out.end(), arguments.begin() + i, arguments.end()), out;
+    if (!asksForOption(argument)) {
+      out.push_back(argument);
+      continue;
+    }
+    const auto equals = argument.find('=');
+    const std::string given_name = argument.substr(0, equals);
+    const Option* option = find(given_name.substr(given_name.compare(0, 2, "--") == 0 ? 2 : 1));
+    if (!option) {
+      const std::string word = given_name.substr(given_name.find_first_not_of('-'));
+      throw UsageError(
+          fmt::format("unrecognised option '{}'{}", given_name, didYouMean(word, names(), "--")));
+    }
+
+    std::string spelled = "--" + option->name;
+    const bool has_next = i + 1 < arguments.size() && !asksForOption(arguments[i + 1]);
+    if (equals != std::string::npos)
+      spelled += argument.substr(equals);
+    else if (has_next && (option->needs == Needs::Value ||
+                          (option->needs == Needs::Either && isTruthValue(arguments[i + 1]))))
+      spelled += "=" + arguments[++i];
+    else if (option->needs == Needs::Either)
+      spelled += "=true";
+    else if (option->needs == Needs::Value)
+      throw UsageError(fmt::format("the value of option '{}' is missing", given_name));
+    if (option->needs != Needs::Nothing && spelled.back() == '=')
+      throw UsageError(fmt::format("the value of option '{}' is empty", given_name));
+    out.push_back(spelled);
+  }
+  return out;
+}
+
+/** The lines of a parameter file as arguments. */
+std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::string& path,
+                                                   Unknown unknown) const {
+  constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";  // some editors put it in front
+  std::vector<std::string> arguments;
+  std::string line, prefix;
+  for (int number = 1; std::getline(in, line); ++number) {
+    if (number == 1 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, 3);
+    line = trimmed(withoutComment(line));
+    if (line.empty()) continue;
+    const auto fail = [&](const std::string& cause) {
+      throw UsageError(fmt::format("{}: line {}: {}", path, number, cause));
+    };
+    if (line.front() == '[' && line.back() == ']') {
+      prefix = trimmed(line.substr(1, line.size() - 2));
+      if (!prefix.empty()) prefix += ".";
+      continue;
+    }
+    const auto equals = line.find('=');
+    if (equals == std::string::npos) fail("expected name = value or [group]");
+    const std::string name = prefix + trimmed(line.substr(0, equals));
+    const Option* option = find(name);
+    if (!option && unknown == Unknown::skipped) continue;
+    if (!option || !option->in_files)
+      fail(fmt::format("unknown parameter '{}'{}", name, didYouMean(name, names())));
+    const std::string value = trimmed(line.substr(equals + 1));
+    if (value.empty()) fail(name + " has no value");
+    if (option->needs != Needs::Nothing)
+      arguments.push_back(fmt::format("--{}={}", option->name, value));
+    else if (!isTruthValue(value))
+      fail(name + " is either true or false");
+    else if (value == "1" || value == "true" || value == "yes" || value == "on")
+      arguments.push_back("--" + option->name);
+  }
+  return arguments;
+}
+
+std::vector<std::string> CommandLine::readFile(const std::string& path) const {
+  std::ifstream in(path);
+  if (!in || std::filesystem::is_directory(path)) throw UsageError(path + ": cannot be read");
+  return parametersIn(in, path, Unknown::refused);
+}
+
+/** Values that are stored already are kept. */
+void CommandLine::storeFrom(const std::string& path, const std::vector<std::string>& arguments) try {
+  store(arguments);
+} catch (const po::error& e) {
+  throw UsageError(fmt::format("{}: {}", path, e.what()));
+}
+
+void CommandLine::store(const std::vector<std::string>& arguments) {
+  using namespace po::command_line_style;
+  for (const std::string& argument :
+       arguments)  // Boost would replace the value of such an argument without end
+    if (argument.find("%value%") != std::string::npos)
+      throw po::error(fmt::format("'{}' cannot be an argument", argument));
+  Options all;
+  all.add(declared_->common).add(declared_->rare).add(declared_->general).add(declared_->hidden);
+  for (const Declared::Group& group : declared_->groups) all.add(*group.options);
+  po::store(po::command_line_parser(arguments)
+                .options(all)
+                .positional(declared_->positions)
+                .style(allow_long | long_allow_adjacent)
+                .run(),
+            declared_->values);
+}
+
+bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream& out) try {
+  store(spelledOut(arguments));
+  if (declared_->values["help-all"].as<bool>()) return printHelp(out, true), false;
+  if (declared_->values["help"].as<bool>()) return printHelp(out, false), false;
+  if (declared_->values["version"].as<bool>()) return out << versionText() << "\n", false;
+  if (declared_->values.count("params")) {
+    const std::string path = declared_->values["params"].as<std::string>();
+    storeFrom(path, readFile(path));
+  }
+  if (declared_->values.count("preset")) {
+    const std::string name = declared_->values["preset"].as<std::string>();
+    std::istringstream text(presetText(name));
+    storeFrom("preset " + name, parametersIn(text, name, Unknown::skipped));
+  }
+  requireArguments();
+  po::notify(declared_->values);
+  for (const auto& check : checks_) check();
+  return true;
+} catch (const po::too_many_positional_options_error&) {
+  throw UsageError("too many arguments");
+} catch (const po::error& e) {
+  throw UsageError(e.what());
+} catch (const std::invalid_argument& e) {  // thrown by validate()
+  throw UsageError(e.what());
+}
+
+void CommandLine::requireArguments() const {
+  for (const Argument& argument : arguments_)
+    if (argument.required && !declared_->values.count(argument.name))
+      throw UsageError(argument.name + " is missing");
+}
+
+bool CommandLine::has(const std::string& name) const { return find(name) != nullptr; }
+
+bool CommandLine::given(const std::string& name) const {
+  const Option* option = find(name);
+  return option && declared_->values.count(option->name) && !declared_->values[option->name].defaulted();
+}
+
+void CommandLine::printExamples(std::ostream& out) const {
+  if (examples_.empty()) return;
+  std::size_t width = 0;
+  for (const auto& [arguments, what] : examples_) width = std::max(width, arguments.size());
+  out << "\nExamples:\n";
+  for (const auto& [arguments, what] : examples_)
+    out << fmt::format("  {} {:{}}  # {}\n", tool_, arguments, width, what);
+}
+
+void CommandLine::printHelp(std::ostream& out, bool all) const {
+  out << "Usage: " << tool_ << " " << synopsis_ << "\n\n" << wrapped(about_) << "\n";
+  if (!declared_->common.options().empty()) out << declared_->common << "\n";
+  for (const Declared::Group& group : declared_->groups)
+    if (group.shown == Shown::in_help) out << *group.options << "\n";
+  if (all)
+    out << declared_->general;
+  else
+    out << wrapped("Options of all tools: -h, --help; --help-all, with the parameters of the algorithms; "
+                   "--version; --params FILE, a file of options; --threads N, 0 = all cores; -q, --quiet: no "
+                   "progress and no remarks.");
+  if (all && !declared_->rare.options().empty()) out << "\n" << declared_->rare;
+  std::ostringstream parameters;
+  for (const bool for_users : {true, false})
+    for (const Declared::Group& group : declared_->groups)
+      if (all && group.shown == Shown::in_help_all && (group.title == kUsersTitle) == for_users)
+        parameters << "\n" << *group.options;
+  out << parameters.str();
+  if (parameters.str().find("[nats]") != std::string::npos) out << "\n" << wrapped(kNats);
+  printExamples(out);
+}
+
+}  // namespace facetloc

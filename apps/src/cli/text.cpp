@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/text.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+
+namespace facetloc {
+namespace {
+
+/** Characters on the screen: continuation bytes of UTF-8 take no room. */
+std::size_t displayWidth(const std::string& text) {
+  return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  // Those of ASCII, and those that UTF-8 writes as C2 80 to C2 9F.
+  constexpr const char* kDigits = "0123456789abcdef";
+  const auto isControl = [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F; };
+  std::string shown;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    if (c != 0xC2 || next < 0x80 || next > 0x9F) {
+      if (isControl(c))
+        shown.append("\\x").append(1, kDigits[c >> 4]).append(1, kDigits[c & 15]);
+      else
+        shown += text[i];
+      continue;
+    }
+    shown.append("\\x").append(1, kDigits[next >> 4]).append(1, kDigits[next & 15]);
+    ++i;
+  }
+  return shown;
+}
+
+std::string counted(std::size_t n, const std::string& noun) {
+  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
+}
+
+TextTable::TextTable(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
+
+void TextTable::add(std::vector<std::string> row) {
+  row.resize(rows_.front().size());
+  rows_.push_back(std::move(row));
+}
+
+std::ostream& operator<<(std::ostream& out, const TextTable& table) {
+  const std::size_t columns = table.rows_.front().size();
+  std::vector<std::size_t> widths(columns, 0);
+  for (const auto& row : table.rows_)
+    for (std::size_t c = 0; c < columns; ++c) widths[c] = std::max(widths[c], displayWidth(row[c]));
+  for (const auto& row : table.rows_) {
+    std::string line;
+    for (std::size_t c = 0; c < columns; ++c) {
+      const bool words = c == 0 || (table.words_last_ && c + 1 == columns);
+      const std::string blank(widths[c] - displayWidth(row[c]), ' ');
+      line += (c ? "  " : "") + (words ? row[c] + blank : blank + row[c]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    out << line << "\n";
+  }
+  return out;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "inputs/depth_input.h"
+
+#include "cli/text.h"
+#include "outputs/localization_hints.h"
+#include "outputs/provenance.h"
+
+#include <facetloc/features/camera_presets.h>
+#include <facetloc/io/map_database.h>
+
+#include <cmath>
+#include <fmt/core.h>
+#include <memory>
+#include <stdexcept>
+
+namespace facetloc {
+
+void DepthInput::addOptions(CommandLine& line) {
+  line.addOption("width", width, "N", "Minimum width to which images are subsampled [px]; 0 = full size.");
+  line.addCheck([this] {
+    constexpr int kLeastWidth = 40;  // [px] below, an image shows no segments
+    if (width != 0 && width < kLeastWidth)
+      throw UsageError(fmt::format("width = {} is neither 0 nor at least {}", width, kLeastWidth));
+  });
+  line.addParams(noise, "noise");
+  line.addParams(view);
+}
+
+void addTimeOffset(CommandLine& line, double& seconds) {
+  line.addOption("time-offset", seconds, "S", "Offset from image timestamps to pose timestamps [s].");
+  line.addCheck([&seconds] {
+    if (!std::isfinite(seconds)) throw UsageError("time-offset must be a number");
+  });
+}
+
+void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
+  line.addOption(
+      "camera", recording.camera, "FILE|NAME",
+      fmt::format("Camera: a camera.ini, a map made with it, or a preset (range and typical intrinsics): {}.",
+                  cameraPresetNames()));
+  line.addOption("topic", recording.topic, "NAME",
+                 "Topic of the depth images, if messages of several were recorded.");
+  line.addOption("depth-scale", recording.depth_scale, "N", "Image values per metre; 0 = by camera.ini.");
+  addTimeOffset(line, recording.time_offset);
+  line.addOption("poses-are", recording.poses_are, "LIST",
+                 "Convention of the poses: auto, or a list of wxyz, inverse, base and opengl.");
+  line.addCheck([&recording] {
+    try {
+      PoseReading::of(recording.poses_are);
+    } catch (const std::invalid_argument& e) {
+      throw UsageError(std::string("poses-are: ") + e.what());
+    }
+    if (!(recording.depth_scale >= 0 && std::isfinite(recording.depth_scale)))
+      throw UsageError("depth-scale must not be negative");
+  });
+}
+
+Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLine& line) const {
+  Camera camera;
+  if (file) camera = file->camera;
+  const auto take = [&](const char* name, double SensorNoise::*value) {
+    if (line.given(name)) camera.noise.*value = noise.*value;
+  };
+  take("noise.inverse_depth_std", &SensorNoise::inverse_depth_std);
+  take("noise.distortion_offset", &SensorNoise::distortion_offset);
+  take("noise.distortion_slope", &SensorNoise::distortion_slope);
+  take("noise.depth_std", &SensorNoise::depth_std);
+  take("noise.depth_std_slope", &SensorNoise::depth_std_slope);
+  take("noise.correlation_px", &SensorNoise::correlation_px);
+  return camera;
+}
+
+DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console) {
+  DepthSequence sequence = DepthSequence::open(path, hints);
+  for (const std::string& remark : sequence.remarks()) console.note(remark);
+  if (sequence.ofSegments())
+    console.note(path +
+                 " holds segments without depth: only planes are compared, and more of the sure answers "
+                 "are wrong than with images");
+  return sequence;
+}
+
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder) {
+  if (!sequence.ofSegments()) return builder.build(sequence.load(index, working_width));
+  View view = viewOfSegments(sequence.segments(index), builder.camera().noise);
+  view.camera = std::make_shared<const Camera>(builder.camera());
+  view.intrinsics = view.camera->intrinsics.valid() ? view.camera->intrinsics : kinectIntrinsics();
+  view.intrinsics = view.intrinsics.subsampled(subsamplingStep(view.intrinsics, working_width));
+  return view;
+}
+
+void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
+  const auto state = map.meta.find(kStateKey);
+  if (state != map.meta.end() && state->second == kUnderWay)
+    console.note(fmt::format("{}: its build has not ended, or was interrupted: it has {} so far; "
+                             "facetloc_map build --resume goes on",
+                             path, counted(map.models.size(), "local model")));
+}
+
+void noteDifference(const Camera& of_images, const Map& map, const Console& console) {
+  for (const std::string& words : toString(differenceOf(of_images, map.camera), of_images, map.camera))
+    console.note(words);
+}
+
+void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console) {
+  constexpr double kMuch = 1.3;  // times the specification; a Kinect has up to 1.2 times
+  const double median = medianOfKnown(std::move(found));
+  const double expected = specified.ofInverseDepth(DepthNoise::kUsualDepth);
+  if (!(median > kMuch * expected)) return;
+  const std::string numbers = fmt::format("{:.2g}, not {:.2g}", median, expected);
+  console.note(fmt::format(
+      "the images are noisier than their camera's specification: {} {}; fewer answers are sure",
+      specified.isConstantInInverseDepth()
+          ? std::string("inverse_depth_std is about")
+          : fmt::format("at {:.0f} m, the noise of inverse depth [1/m] is about", DepthNoise::kUsualDepth),
+      numbers));
+}
+
+std::string adviceOnPoses(const PoseCheck& check) {
+  if (check.convention.empty()) return {};
+  return "; --poses-are " + check.convention + " reads them so";
+}
+
+void requireTolerance(double seconds) {
+  if (!(seconds >= 0)) throw UsageError("pose-tolerance must not be negative");
+}
+
+std::string toIni(const DepthInput& input, const Camera& camera) {
+  return fmt::format("width = {}\n{}{}", input.width, toIni(camera.noise, "noise"), toIni(input.view));
+}
+
+}  // namespace facetloc

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cli/app.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/mapping/map_findings.h>
+#include <facetloc/segmentation/view_builder.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief How depth images become views, for all tools that read images. */
+struct DepthInput {
+  int width = 320;  ///< working width [px]; 0 = full size
+  SensorNoise noise;
+  ViewParams view;
+  RecordingHints recording;
+
+  void addOptions(CommandLine& line);
+  /** \brief The camera of images: as its camera.ini says, if there is one, but for the noise that the user
+   * has given. */
+  Camera camera(const std::optional<CameraFile>& file, const CommandLine& line) const;
+};
+
+/** \brief The options of all tools that read recordings: facts that the files do not contain. */
+void addRecordingOptions(CommandLine& line, RecordingHints& recording);
+/** \brief One of them, for tools that read poses and no images. */
+void addTimeOffset(CommandLine& line, double& seconds);
+
+/** \brief The images at a path, or with RecordingHints::segments their segments, with a remark where
+ * there is one. Throws IoError. */
+DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console);
+
+/** \brief The view of an image of a sequence: built from its depth, or read from its file of segments and
+ * without depth. */
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder);
+
+/** \brief A remark if the build of the map at that path has not ended. */
+void noteUnfinished(const Map& map, const std::string& path, const Console& console);
+
+/** \brief Prints how the camera of the images differs from the map's. */
+void noteDifference(const Camera& of_images, const Map& map, const Console& console);
+
+/** \brief A remark if images are much noisier than their camera's specification.
+ * \param found noise of inverse depth of each image at the usual depth [1/m], 0 where it is not known */
+void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console);
+
+/** \brief "; --poses-are wxyz reads them so" if the poses are written in that order, else empty. */
+std::string adviceOnPoses(const PoseCheck& check);
+
+/** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
+void requireTolerance(double seconds);
+
+/** \brief The options as they are recorded beside maps and results; plain ones first. */
+std::string toIni(const DepthInput& input, const Camera& camera);
+
+}  // namespace facetloc

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/text.h"
+#include "cli/command_line.h"
+
+#include <facetloc/localization/localization_params.h>
+
+#include <string>
+
+namespace facetloc {
+
+/** \brief The options of localization. Its calibration is known to the command line and to files of
+ * parameters, too, but no help offers it. */
+inline void addLocalizationOptions(CommandLine& line, GlobalLocalizationParams& params) {
+  line.addParams(params);
+  line.addParams(params.calibration, "calibration", CommandLine::Shown::nowhere);
+}
+
+/** \brief These parameters in the form that results record: a file of parameters. */
+inline std::string localizationIni(const GlobalLocalizationParams& params) {
+  return toIni(params) + toIni(params.calibration, "calibration");
+}
+
+/** \brief The option --map-covers: how much of where the camera goes is in the map. It is a word for
+ * --probability.map_incomplete, and does not go with it. */
+inline void addMapCovers(CommandLine& line, std::string& share, ProbabilityParams& params) {
+  line.addOption("map-covers", share, "SHARE",
+                 "Share of where the camera goes that is in the map: all, some, or a number below 1.");
+  line.addCheck([&line, &share, &params] {
+    if (share.empty()) return;
+    if (line.given("probability.map_incomplete"))
+      throw UsageError("--map-covers and --probability.map_incomplete say the same; give one of them");
+    constexpr double kAll = 0.9;  // doors open, and furniture moves
+    const double covered = share == "all"    ? kAll
+                           : share == "some" ? 1 - ProbabilityParams{}.map_incomplete
+                                             : text::to<double>(share).value_or(-1);
+    params.map_incomplete = 1 - covered;
+    if (!(covered > 0 && covered < 1))
+      throw UsageError("map-covers: '" + share + "' is neither all nor some nor a number between 0 and 1");
+  });
+}
+
+}  // namespace facetloc

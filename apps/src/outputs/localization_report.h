@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cli/command_line.h"
+
+#include <facetloc/features/local_model.h>
+#include <facetloc/io/results.h>
+#include <facetloc/registration/hypothesis.h>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace facetloc {
+
+/** \brief The lines of hypotheses.csv for one frame: at most max_hypotheses, or one of rank 0 with the
+ * reason.
+ * \param min_probability from which on the answer is sure */
+std::vector<ResultRow> resultRows(const std::string& frame, const Localization& answer, const Map& map,
+                                  int max_hypotheses, double min_probability = kMinProbability);
+/** \brief The line of a frame without an answer. */
+ResultRow noHypothesis(const std::string& frame, const std::string& reason);
+
+/** \brief The option of tools that tell sure answers from others. */
+void addMinProbability(CommandLine& line, double& min_probability);
+
+/** \brief How many frames have an answer of each state. */
+struct StateCounts {
+  int sure = 0, doubtful = 0, unknown = 0;
+
+  void add(AnswerState state);
+  int all() const { return sure + doubtful + unknown; }
+};
+/** \brief "235 images: 221 sure, 9 doubtful, 5 unknown". */
+std::string toString(const StateCounts& counts);
+
+/** \brief The ranked poses as a table for people. */
+void printPoses(std::ostream& out, const std::vector<ResultRow>& rows);
+
+}  // namespace facetloc

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/text.h"
+
+#include <facetloc/io/error.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <fcntl.h>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+/** \file
+ * Files and folders, private to io. */
+
+namespace facetloc::files {
+
+/** \brief Why the last call of the C library failed. */
+inline std::string lastError() { return std::generic_category().message(errno); }
+
+/** \brief Throws IoError unless path is a file that can be there to be read from its beginning to its end, or
+ * a pipe. */
+inline void requireFile(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw IoError(path.string(), "does not exist");
+  if (std::filesystem::is_directory(status)) throw IoError(path.string(), "is a folder, not a file");
+  if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status))
+    throw IoError(path.string(), "is a device or a socket, not a file");
+}
+
+/** \brief Throws IoError unless any place of the file can be read at any time: a pipe will not do. */
+inline void requireRegularFile(const std::filesystem::path& path) {
+  requireFile(path);
+  if (std::filesystem::is_fifo(path)) throw IoError(path.string(), "is a pipe, not a file");
+}
+
+/** \brief A rename would put a file in the place of a device, a pipe or a folder. Throws IoError. */
+inline void requireReplaceable(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw IoError(path.string(), "exists already and is not a regular file");
+}
+
+/** \brief Throws IoError unless a file can be created at path as far as folders are concerned. */
+inline void requireFolderOf(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder, error))
+    throw IoError(path.string(), fmt::format("its folder {} does not exist", folder.string()));
+}
+
+/** \brief Where a file would be written: a link is kept, and its target, which may not exist yet,
+ * is replaced. */
+inline std::filesystem::path linkedFrom(std::filesystem::path path) {
+  constexpr int kMostLinks = 40;  // as the kernel's
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, error); ++i)
+    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+  return path;
+}
+
+struct Close {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using FilePtr = std::unique_ptr<std::FILE, Close>;
+
+/** \brief Opens a file to be read. A pipe without a writer ends at once instead of blocking. */
+inline FilePtr open(const std::filesystem::path& path) {
+  const int number = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  FilePtr file(number < 0 ? nullptr : fdopen(number, "rb"));
+  if (!file) throw IoError(path.string(), "cannot be opened: " + lastError());
+  fcntl(number, F_SETFL, fcntl(number, F_GETFL) & ~O_NONBLOCK);  // who writes may take their time
+  return file;
+}
+
+/** \brief UTF-8 of UTF-16, as editors and shells of Windows write it: a code point that is half is replaced.
+ */
+inline std::string fromUtf16(std::string_view bytes, bool big_endian) {
+  constexpr std::uint32_t kReplacement = 0xFFFD;
+  std::string out;
+  const auto unit = [&](std::size_t i) {
+    const auto first = static_cast<std::uint8_t>(bytes[i]), second = static_cast<std::uint8_t>(bytes[i + 1]);
+    return static_cast<std::uint32_t>(big_endian ? first << 8 | second : second << 8 | first);
+  };
+  const auto isHigh = [](std::uint32_t u) { return u >= 0xD800 && u < 0xDC00; };
+  const auto isLow = [](std::uint32_t u) { return u >= 0xDC00 && u < 0xE000; };
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+    std::uint32_t code = unit(i);
+    if (isHigh(code) && i + 3 < bytes.size() && isLow(unit(i + 2))) {
+      code = 0x10000 + ((code - 0xD800) << 10) + (unit(i + 2) - 0xDC00);
+      i += 2;
+    } else if (isHigh(code) || isLow(code)) {
+      code = kReplacement;
+    }
+    const int more = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;  // bytes behind the first
+    constexpr std::uint32_t kFirst[] = {0, 0xC0, 0xE0, 0xF0};
+    out += static_cast<char>(kFirst[more] | code >> 6 * more);
+    for (int k = more - 1; k >= 0; --k) out += static_cast<char>(0x80 | (code >> 6 * k & 0x3F));
+  }
+  return out;
+}
+
+/** \brief All bytes of a file. */
+inline std::string readBytes(const std::filesystem::path& path) {
+  requireFile(path);
+  const FilePtr file = open(path);
+  std::string bytes;
+  std::array<char, 1 << 16> part;
+  while (const std::size_t size = std::fread(part.data(), 1, part.size(), file.get()))
+    bytes.append(part.data(), size);
+  if (std::ferror(file.get())) throw IoError(path.string(), "cannot be read: " + lastError());
+  return bytes;
+}
+
+/** \brief A whole text file as UTF-8, without the byte order mark that some editors put in front; UTF-16 is
+ * known by its mark. */
+inline std::string readText(const std::filesystem::path& path) {
+  std::string text = readBytes(path);
+  constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
+  const bool little = text.rfind("\xFF\xFE", 0) == 0, big = text.rfind("\xFE\xFF", 0) == 0;
+  if (little || big) return fromUtf16(std::string_view(text).substr(2), big);
+  return text;
+}
+
+}  // namespace facetloc::files
+
+namespace facetloc::internal {
+
+inline bool endsWith(const std::string& name, const std::string& ending) {
+  return name.size() >= ending.size() &&
+         name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+}
+/** \brief ".png" of a.PNG. */
+inline std::string lowerExtension(const std::filesystem::path& path) {
+  return text::lower(path.extension().string());
+}
+inline bool isPng(const std::filesystem::path& path) { return lowerExtension(path) == ".png"; }
+
+}  // namespace facetloc::internal

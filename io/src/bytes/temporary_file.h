@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "bytes/descriptor.h"
+
+#include <filesystem>
+#include <string>
+
+namespace facetloc {
+
+/** \brief 16 hexadecimal digits that are impossible to guess. */
+std::string randomDigits();
+/** \brief A new file: an existing one, be it a link, is an error, EEXIST in errno. */
+files::Descriptor createNew(const std::filesystem::path& path);
+
+/** \brief A new, empty file beside the one that it will replace, removed at the end of its life unless it was
+ * renamed.
+ *
+ * Its name is random and the file is new (O_EXCL), so that no file or link can be put in its place
+ * beforehand. It is locked for as long as it is open, and the lock dies with its process: a file of a killed
+ * program is one that no process holds. */
+class TemporaryFile {
+public:
+  /** \brief Throws WriteError, which names the target. */
+  explicit TemporaryFile(const std::filesystem::path& target);
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile();
+
+  const std::filesystem::path& path() const { return path_; }
+  /** \brief Puts it in the place of the target. A link there is replaced, not followed. */
+  void rename();
+  /** \brief To go on writing after it. Throws WriteError. */
+  files::Descriptor duplicate() const;
+
+private:
+  std::filesystem::path target_;
+  std::filesystem::path path_;  // empty once it is renamed
+  files::Descriptor file_;
+};
+
+/** \brief Removes the temporary files of programs that were killed from a folder. */
+void removeLeftovers(const std::filesystem::path& folder);
+
+}  // namespace facetloc

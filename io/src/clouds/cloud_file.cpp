@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "clouds/pcd_points.h"
+#include "clouds/ply_file.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/cloud_file.h>
+#include <facetloc/io/error.h>
+
+#include <pcl/conversions.h>
+#include <pcl/point_types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <ostream>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace facetloc {
+namespace {
+
+constexpr PointColour kUnlabelled = {150, 150, 150};
+
+template <class PointT>
+void setColour(const PointColour& colour, PointT& p) {
+  p.r = colour.red, p.g = colour.green, p.b = colour.blue;
+}
+
+template <class PointT>
+pcl::PointCloud<PointT> pointsOf(const DepthImage& image, const Eigen::Isometry3d& T) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  pcl::PointCloud<PointT> cloud(static_cast<std::uint32_t>(image.camera.width),
+                                static_cast<std::uint32_t>(image.camera.height));
+  cloud.is_dense = false;
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      PointT& p = cloud(static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+      const float z = image.at(u, v);
+      if (z > 0)
+        p.getVector3fMap() = (T * Eigen::Vector3d(image.camera.ray(u, v) * z)).template cast<float>();
+      else
+        p.x = p.y = p.z = kNotMeasured;
+    }
+  return cloud;
+}
+
+}  // namespace
+
+std::vector<PointColour> readColours(const std::filesystem::path& path, const DepthImage& image) {
+  const PcdHeader header(path);
+  if (header.width() != image.camera.width || header.height() != image.camera.height) return {};
+  const pcl::PCLPointCloud2 raw = readPcd(path, header);
+  const auto offsetOf = [&raw](std::string_view name, std::uint8_t type) -> std::optional<std::size_t> {
+    for (const pcl::PCLPointField& f : raw.fields)
+      if (f.name == name && f.datatype == type && f.offset + sizeof(std::uint32_t) <= raw.point_step)
+        return f.offset;
+    return std::nullopt;
+  };
+  auto packed = offsetOf("rgb", pcl::PCLPointField::FLOAT32);
+  if (!packed) packed = offsetOf("rgb", pcl::PCLPointField::UINT32);
+  if (!packed) packed = offsetOf("rgba", pcl::PCLPointField::UINT32);
+  const auto z = offsetOf("z", pcl::PCLPointField::FLOAT32);
+  if (!packed || !z) return {};
+  std::vector<PointColour> colours;
+  std::size_t same = 0, measured = 0;
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    const std::uint8_t* point = raw.data.data() + i * raw.point_step;
+    std::uint32_t value;
+    float depth;
+    std::memcpy(&value, point + *packed, sizeof value);
+    std::memcpy(&depth, point + *z, sizeof depth);
+    colours.push_back({static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+                       static_cast<std::uint8_t>(value)});
+    measured += image.depth[i] > 0;
+    same += image.depth[i] > 0 && depth == image.depth[i];
+  }
+  if (2 * same < measured) colours.clear();
+  return colours;
+}
+
+void writeCloud(const std::filesystem::path& path, const DepthImage& image, const Eigen::Isometry3d& T,
+                const std::vector<PointColour>& colours) {
+  pcl::PCLPointCloud2 fields;
+  if (colours.empty()) {
+    pcl::toPCLPointCloud2(pointsOf<pcl::PointXYZ>(image, T), fields);
+  } else {
+    if (colours.size() != image.depth.size()) throw std::invalid_argument("colours and image differ in size");
+    auto cloud = pointsOf<pcl::PointXYZRGB>(image, T);
+    for (std::size_t i = 0; i < cloud.size(); ++i) setColour(colours[i], cloud[i]);
+    pcl::toPCLPointCloud2(cloud, fields);
+  }
+  writePcd(path, fields);
+}
+
+void writeLabelledCloud(const std::filesystem::path& path, const DepthImage& image, const LabelImage& labels,
+                        const std::vector<PointColour>& colours) {
+  if (labels.label.size() != image.depth.size())
+    throw std::invalid_argument("labels and image differ in size");
+  auto cloud = pointsOf<pcl::PointXYZRGBL>(image, Eigen::Isometry3d::Identity());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::size_t label = labels.label[i];
+    cloud[i].label = static_cast<std::uint32_t>(label);
+    setColour(label > 0 && label <= colours.size() ? colours[label - 1] : kUnlabelled, cloud[i]);
+  }
+  pcl::PCLPointCloud2 fields;
+  pcl::toPCLPointCloud2(cloud, fields);
+  writePcd(path, fields);
+}
+
+ColouredPolygon polygonOf(const Segment& segment, const PointColour& colour) {
+  ColouredPolygon polygon{{}, colour};
+  for (const Eigen::Vector2f& vertex : segment.hull)
+    polygon.vertices.push_back(segment.t + segment.R.leftCols<2>() * vertex.cast<double>());
+  return polygon;
+}
+
+void writePolygons(const std::filesystem::path& path, const std::vector<ColouredPolygon>& polygons) {
+  pcl::PolygonMesh mesh;
+  pcl::PointCloud<pcl::PointXYZRGB> vertices;
+  for (const ColouredPolygon& polygon : polygons) {
+    if (polygon.vertices.size() < 3) continue;
+    pcl::Vertices face;
+    for (const Eigen::Vector3d& vertex : polygon.vertices) {
+      face.vertices.push_back(static_cast<pcl::index_t>(vertices.size()));
+      pcl::PointXYZRGB p;
+      p.getVector3fMap() = vertex.cast<float>();
+      setColour(polygon.colour, p);
+      vertices.push_back(p);
+    }
+    mesh.polygons.push_back(std::move(face));
+  }
+  pcl::toPCLPointCloud2(vertices, mesh.cloud);
+  writeMesh(path, mesh);
+}
+
+void writeMesh(const std::filesystem::path& path, const pcl::PolygonMesh& mesh) {
+  writeTextAtomically(path, [&mesh](std::ostream& out) { writePly(out, mesh); });
+}
+
+}  // namespace facetloc

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
+#include "bytes/files.h"
+#include "images/depth_codec.h"
+
+#include <facetloc/io/error.h>
+#include <facetloc/io/oni_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <optional>
+#include <stdexcept>
+
+namespace facetloc {
+namespace {
+
+// A recording is a header and records. A record is a header, fields, and data; all numbers little-endian.
+constexpr std::size_t kFileHeader = 24;            // "NI10", version, last time stamp, number of nodes
+constexpr std::uint32_t kRecordMark = 0x0052494E;  // "NIR"
+constexpr std::size_t kRecordHeader = 28;     // mark, type, node, size with the fields, size of the data, ...
+constexpr std::size_t kOldRecordHeader = 24;  // ... and an offset, which was of 32 bits before version 1.0.1
+constexpr std::uint32_t kMostFields = 1u << 20;
+constexpr std::uint32_t kMostData = 1u << 28;
+constexpr int kMostPixels = 1 << 24;
+
+enum RecordType : std::uint32_t {
+  kNodeAdded4 = 0x02,  // found in versions 1.0.0.4 ...
+  kIntProperty = 0x03,
+  kRealProperty = 0x04,
+  kTextProperty = 0x05,
+  kGeneralProperty = 0x06,
+  kNewData = 0x0A,
+  kEnd = 0x0B,
+  kNodeAdded5 = 0x0C,  // ... 1.0.0.5 ...
+  kNodeAdded = 0x0D,   // ... and since
+};
+constexpr std::uint32_t kDepthNode = 2;
+constexpr std::uint64_t kMillimetres = 100, kTenths = 101;  // formats of depth in OpenNI2
+
+struct RecordHeader {
+  std::uint32_t mark, type, node, fields, data;
+};
+
+/** A record's fields, taken one after the other. */
+class Fields {
+public:
+  explicit Fields(std::vector<std::uint8_t> bytes) : bytes_(std::move(bytes)) {}
+
+  template <typename T>
+  T take() {
+    T value;
+    if (bytes_.size() - next_ < sizeof value) throw std::length_error("fields");
+    std::memcpy(&value, bytes_.data() + next_, sizeof value);
+    next_ += sizeof value;
+    return value;
+  }
+  /** Stored with its length and a zero at its end. Of ASCII: OpenNI2 crashes on a name that is not. */
+  std::string takeName() {
+    const auto length = take<std::uint32_t>();
+    if (bytes_.size() - next_ < length) throw std::length_error("fields");
+    const auto* text = reinterpret_cast<const char*>(bytes_.data() + next_);
+    next_ += length;
+    const std::string name(text, strnlen(text, length));
+    if (std::any_of(name.begin(), name.end(), [](char c) { return (c & 0x80) != 0; }))
+      throw std::domain_error("name");
+    return name;
+  }
+
+private:
+  std::vector<std::uint8_t> bytes_;
+  std::size_t next_ = 0;
+};
+
+std::vector<std::uint8_t> readBytes(std::FILE* file, std::uint64_t offset, std::size_t size,
+                                    const std::filesystem::path& path) {
+  std::vector<std::uint8_t> bytes(size);
+  if (fseeko(file, static_cast<off_t>(offset), SEEK_SET) != 0 ||
+      std::fread(bytes.data(), 1, size, file) != size)
+    throw IoError(path.string(), "is truncated, or cannot be read");
+  return bytes;
+}
+
+}  // namespace
+
+/** Walks through the records. */
+class OniFileIndexer {
+public:
+  explicit OniFileIndexer(const std::filesystem::path& path) : path_(path) { out_.path_ = path; }
+
+  OniFile index() {
+    files::requireRegularFile(path_);
+    file_ = files::open(path_);
+    size_ = std::filesystem::file_size(path_);
+    readFileHeader();
+    while (!out_.finished_ && !ends_early_) readRecord();
+    check();
+    out_.bytes_ = position_;
+    return std::move(out_);
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& cause) const { throw IoError(path_.string(), cause); }
+
+  void readFileHeader() {
+    if (size_ < kFileHeader) fail("is no .oni recording");
+    Fields header(readBytes(file_.get(), 0, kFileHeader, path_));
+    if (header.take<std::uint32_t>() != 0x3031494E) fail("is no .oni recording");  // "NI10"
+    const int major = header.take<std::uint8_t>(), minor = header.take<std::uint8_t>();
+    const int maintenance = header.take<std::uint16_t>();
+    if (major != 1 || minor != 0) fail("is of an unknown version of the .oni format");
+    header_size_ = maintenance >= 1 ? kRecordHeader : kOldRecordHeader;
+    position_ = kFileHeader;
+  }
+
+  /** A recorder that was killed leaves a record that is not all there. */
+  void readRecord() {
+    ends_early_ = position_ + header_size_ > size_;
+    if (ends_early_) return;
+    const auto header = Fields(readBytes(file_.get(), position_, header_size_, path_)).take<RecordHeader>();
+    ends_early_ = header.mark == 0 && onlyZerosFrom(position_);  // room that the file system had made
+    if (ends_early_) return;
+    const bool sound = header.mark == kRecordMark && header.fields >= header_size_ &&
+                       header.fields <= kMostFields && header.data <= kMostData;
+    if (!sound) fail(fmt::format("is corrupt at byte {}", position_));
+    ends_early_ = position_ + header.fields + header.data > size_;
+    if (ends_early_) return;
+    try {
+      readFields(header);
+    } catch (const std::logic_error&) {
+      fail(fmt::format("is corrupt at byte {}", position_));
+    }
+    position_ += header.fields + header.data;
+    out_.finished_ = header.type == kEnd;
+  }
+
+  bool onlyZerosFrom(std::uint64_t position) const {
+    constexpr std::uint64_t kPart = 1 << 16;
+    for (; position < size_; position += kPart) {
+      const auto bytes = readBytes(file_.get(), position,
+                                   static_cast<std::size_t>(std::min(kPart, size_ - position)), path_);
+      if (std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0; })) return false;
+    }
+    return true;
+  }
+
+  void readFields(const RecordHeader& header) {
+    const auto fields = [&] {
+      return Fields(readBytes(file_.get(), position_ + header_size_, header.fields - header_size_, path_));
+    };
+    switch (header.type) {
+    case kNodeAdded4:
+    case kNodeAdded5:
+    case kNodeAdded:
+      return addNode(header.node, fields());
+    case kRealProperty:
+    case kTextProperty:
+      fields().takeName();
+      return;
+    case kIntProperty:
+    case kGeneralProperty:
+      return setProperty(header.node, fields());
+    case kNewData:
+      if (depth_ == header.node) addFrame(header, fields());
+      return;
+    default:
+      return;
+    }
+  }
+
+  void addNode(std::uint32_t node, Fields fields) {
+    fields.takeName();
+    const auto type = fields.take<std::uint32_t>();
+    const auto codec = fields.take<std::uint32_t>();
+    if (type != kDepthNode || depth_) return;
+    depth_ = node;
+    char name[5] = {};
+    std::memcpy(name, &codec, sizeof codec);
+    if (!std::strcmp(name, "NONE"))
+      out_.codec_ = OniFile::Codec::none;
+    else if (!std::strcmp(name, "16zP"))
+      out_.codec_ = OniFile::Codec::differences;
+    else if (!std::strcmp(name, "16zT"))
+      out_.codec_ = OniFile::Codec::differences_of_table;
+    else
+      fail("has depth of an unknown coding " + text::quoted(name));
+  }
+
+  void setProperty(std::uint32_t node, Fields fields) {
+    const std::string name = fields.takeName();
+    if (node != depth_) return;
+    const auto size = fields.take<std::uint32_t>();
+    if (name == "xnMirror" && size == sizeof(std::uint64_t)) {
+      out_.mirrored_ = fields.take<std::uint64_t>() != 0;
+    } else if (name == "oniPixelFormat" && size == sizeof(std::uint64_t)) {
+      const auto format = fields.take<std::uint64_t>();
+      if (format != kMillimetres && format != kTenths) fail("has depth in an unknown unit");
+      setOnce(out_.millimetres_, format == kTenths ? 0.1 : 1.0, "unit");
+    } else if (name == "xnMapOutputMode" && size == 3 * sizeof(std::uint32_t)) {
+      const auto width = fields.take<std::uint32_t>(), height = fields.take<std::uint32_t>();
+      const auto rate = fields.take<std::uint32_t>();
+      if (width < 1 || height < 1 || std::uint64_t(width) * height > kMostPixels)
+        fail("has depth of an impossible size");
+      setOnce(out_.camera_.width, static_cast<int>(width), "size");
+      setOnce(out_.camera_.height, static_cast<int>(height), "size");
+      out_.rate_ = static_cast<int>(std::min(rate, 1000u));
+    } else if (name == "xnFOV" && size == 2 * sizeof(double)) {
+      horizontal_ = fields.take<double>();
+      vertical_ = fields.take<double>();
+    } else if (name == "xnCropping" && size == 6 * sizeof(std::uint16_t)) {
+      if (fields.take<std::uint16_t>() != 0) fail("has depth that is cropped");
+    }
+  }
+
+  template <typename T>
+  void setOnce(T& value, T is, const char* what) {
+    if (!out_.frames_.empty() && value != is) fail(fmt::format("has depth that changes its {}", what));
+    value = is;
+  }
+
+  void addFrame(const RecordHeader& header, Fields fields) {
+    const auto stamp = fields.take<std::uint64_t>();
+    out_.frames_.push_back({stamp, position_ + header.fields, header.data});
+  }
+
+  void check() {
+    const std::string truncated = ends_early_ ? "is truncated, and " : "";
+    if (!depth_) fail(truncated + "has no depth stream");
+    if (out_.frames_.empty()) fail(truncated + "has no depth frames");
+    Intrinsics& camera = out_.camera_;
+    if (camera.width < 1) fail("does not state the size of its depth frames");
+    constexpr double kWidest = 3;  // [rad]
+    const bool has_view = horizontal_ > 0 && horizontal_ < kWidest && vertical_ > 0 && vertical_ < kWidest;
+    if (!has_view) return;
+    camera.fx = camera.width / (2 * std::tan(horizontal_ / 2));
+    camera.fy = camera.height / (2 * std::tan(vertical_ / 2));
+    camera.cx = (camera.width - 1) / 2.0;
+    camera.cy = (camera.height - 1) / 2.0;
+  }
+
+  std::filesystem::path path_;
+  files::FilePtr file_;
+  std::uint64_t size_ = 0;
+  std::uint64_t position_ = 0;
+  bool ends_early_ = false;
+  std::size_t header_size_ = kRecordHeader;
+  std::optional<std::uint32_t> depth_;  // the node that it is
+  double horizontal_ = 0, vertical_ = 0;
+  OniFile out_;
+};
+
+OniFile OniFile::open(const std::filesystem::path& path) { return OniFileIndexer(path).index(); }
+
+std::vector<std::uint16_t> OniFile::readRaw(std::size_t index) const {
+  const Frame& frame = frames_.at(index);
+  const auto file = files::open(path_);
+  const auto bytes = readBytes(file.get(), frame.offset, frame.size, path_);
+  const std::size_t pixels = static_cast<std::size_t>(camera_.width) * camera_.height;
+  std::vector<std::uint16_t> depth;
+  if (codec_ != Codec::none) {
+    depth = decodeDepth(bytes, codec_ == Codec::differences_of_table, pixels);
+  } else if (bytes.size() == pixels * sizeof(std::uint16_t)) {
+    depth.resize(pixels);
+    std::memcpy(depth.data(), bytes.data(), bytes.size());
+  }
+  if (depth.empty()) throw IoError(path_.string(), fmt::format("frame {} is corrupt", index));
+  return depth;
+}
+
+void OniFile::requireSound() const {
+  for (std::size_t i = 0; i < size(); ++i) readRaw(i);
+}
+
+DepthImage OniFile::read(std::size_t index) const {
+  const std::vector<std::uint16_t> raw = readRaw(index);
+  DepthImage image{camera_, std::vector<float>(raw.size())};
+  const double scale = 1000 / millimetres_;  // divided, as for PNGs: the same depth is the same number
+  std::transform(raw.begin(), raw.end(), image.depth.begin(),
+                 [scale](std::uint16_t value) { return static_cast<float>(value / scale); });
+  return image;
+}
+
+}  // namespace facetloc

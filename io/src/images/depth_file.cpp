@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "images/depth_file.h"
+
+#include "base/median.h"
+#include "bytes/files.h"
+
+#include <facetloc/features/depth_image.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/pclzf.h>
+
+#include <algorithm>
+#include <string>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+DepthValues readPng(const fs::path& path) {
+  constexpr int kBits = 16;
+  Raster<std::uint16_t> raster = readGreyPng(path, kBits);
+  return {raster.width, raster.height, {}, std::move(raster.data)};
+}
+
+DepthValues readPacked(const fs::path& path) {
+  Raster<std::uint16_t> raster = readPclzf(path);
+  return {raster.width, raster.height, {}, std::move(raster.data)};
+}
+
+struct Format {
+  const char* ending;
+  DepthValues (*read)(const fs::path& path);
+};
+
+constexpr Format kFormats[] = {{".png", readPng},   {".pclzf", readPacked}, {".tif", readTiff},
+                               {".tiff", readTiff}, {".npy", readNpy},      {".pgm", readPgm},
+                               {".pfm", readPfm}};
+
+const Format* formatOf(const fs::path& path) {
+  const std::string extension = internal::lowerExtension(path);
+  for (const Format& format : kFormats)
+    if (extension == format.ending) return &format;
+  return nullptr;
+}
+
+/** Unmeasured values become 0, millimetres metres, and depth along the negative z axis, as of
+ * renderers, positive. */
+void toMetres(std::vector<float>& values) {
+  constexpr float kFarthest = 100, kMillimetres = 1000;
+  const auto n = [&values](auto holds) { return std::count_if(values.begin(), values.end(), holds); };
+  const bool negative = n([](float z) { return isMeasured(-z); }) > n([](float z) { return isMeasured(z); });
+  std::vector<float> measured;
+  for (float& z : values) {
+    if (negative) z = -z;
+    if (!isMeasured(z)) z = 0;
+    if (z > 0) measured.push_back(z);
+  }
+  if (measured.empty() || internal::median(std::move(measured)) < kFarthest) return;
+  for (float& z : values) z /= kMillimetres;
+}
+
+}  // namespace
+
+const std::vector<const char*>& depthFileEndings() {
+  static const std::vector<const char*> endings = [] {
+    std::vector<const char*> all;
+    for (const Format& format : kFormats) all.push_back(format.ending);
+    return all;
+  }();
+  return endings;
+}
+
+bool isDepthFile(const fs::path& path) { return formatOf(path) != nullptr; }
+
+DepthValues readDepthValues(const fs::path& path) {
+  const Format* format = formatOf(path);
+  if (!format) throw IoError(path.string(), "is no depth image, by its name");
+  DepthValues values = format->read(path);
+  toMetres(values.metres);
+  return values;
+}
+
+std::optional<PngSize> depthFileSize(const fs::path& path) {
+  if (internal::isPng(path)) return pngSize(path);
+  try {
+    const DepthValues values = readDepthValues(path);
+    return PngSize{values.width, values.height, values.metres.empty() ? 16 : 32};
+  } catch (const IoError&) {
+    return {};
+  }
+}
+
+}  // namespace facetloc

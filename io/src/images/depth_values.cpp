@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bytes/files.h"
+
+#include <facetloc/io/depth_values.h>
+#include <facetloc/io/error.h>
+#include <facetloc/io/png.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <fmt/format.h>
+
+namespace facetloc {
+namespace {
+
+constexpr std::size_t kMostImages = 16;
+constexpr std::size_t kValues = 65536;
+constexpr std::uint16_t kNotMeasured = 65535;
+constexpr int kLargestDivisor = 512;
+constexpr double kMultiples = 0.98;          // share of the values
+constexpr std::size_t kLeastDifferent = 20;  // values, of which a divisor says something
+
+using Histogram = std::vector<std::size_t>;
+
+bool isMeasured(std::uint16_t value) { return value != 0 && value != kNotMeasured; }
+
+std::uint16_t swapped(std::uint16_t value) {
+  return static_cast<std::uint16_t>((value >> 8) | ((value & 0xff) << 8));
+}
+
+/** Quantile of the values counted in a histogram; 0 if it is empty. */
+double quantile(const Histogram& histogram, double q) {
+  std::size_t all = 0, below = 0;
+  for (const std::size_t n : histogram) all += n;
+  for (std::size_t value = 0; value < histogram.size(); ++value)
+    if ((below += histogram[value]) > q * static_cast<double>(all)) return static_cast<double>(value);
+  return 0;
+}
+
+/** Counts the values of images, and the differences of neighbours. */
+class Counter {
+public:
+  void add(const Raster<std::uint16_t>& image) {
+    for (int v = 0; v < image.height; ++v)
+      for (int u = 0; u < image.width; ++u) {
+        const std::size_t i = static_cast<std::size_t>(v) * image.width + u;
+        const std::uint16_t value = image.data[i];
+        if (!isMeasured(value)) continue;
+        ++values_[value];
+        if (u + 1 == image.width || !isMeasured(image.data[i + 1])) continue;
+        const std::uint16_t next = image.data[i + 1];
+        if (next == value) continue;  // as of most neighbours where a camera measures in coarse steps
+        ++as_read_[static_cast<std::size_t>(std::abs(next - value))];
+        ++with_swapped_[static_cast<std::size_t>(std::abs(swapped(next) - swapped(value)))];
+      }
+  }
+
+  DepthValues result() && {
+    DepthValues found;
+    for (const std::size_t n : values_) found.count += n, found.different += n > 0;
+    if (found.count == 0) return found;
+    found.neighbours = quantile(as_read_, 0.5);
+    found.neighbours_swapped = quantile(with_swapped_, 0.5);
+    found.median = quantile(values_, 0.5);
+    if (found.different >= kLeastDifferent) found.divisor = divisor(found.count);
+    found.histogram = std::move(values_);
+    return found;
+  }
+
+private:
+  int divisor(std::size_t count) const {
+    for (int divisor = kLargestDivisor; divisor > 1; --divisor) {
+      std::size_t multiples = 0;
+      for (std::size_t value = 0; value < kValues; value += static_cast<std::size_t>(divisor))
+        multiples += values_[value];
+      if (static_cast<double>(multiples) >= kMultiples * static_cast<double>(count)) return divisor;
+    }
+    return 1;
+  }
+
+  Histogram values_ = Histogram(kValues), as_read_ = Histogram(kValues), with_swapped_ = Histogram(kValues);
+};
+
+bool isPowerOfTwo(int n) { return (n & (n - 1)) == 0; }
+
+int bitsOf(int power_of_two) {
+  int bits = 0;
+  while ((1 << bits) < power_of_two) ++bits;
+  return bits;
+}
+
+bool haveSwappedBytes(const DepthValues& values) {
+  constexpr double kLeast = 64, kSmoother = 4;  // neighbours differ by a few values in any depth image
+  return values.neighbours >= kLeast && kSmoother * values.neighbours_swapped < values.neighbours;
+}
+
+/** The fault revealed by the largest common divisor; empty if it is usual. */
+std::string divisorFault(const DepthValues& values, double depth_scale) {
+  constexpr double kCoarse = 0.0015;  // [m] devices have steps of up to 1 mm
+  const int n = values.divisor;
+  if (n < 2 || n / depth_scale < kCoarse) return {};
+  const std::string found = fmt::format(
+      "PNG values are multiples of {}, so that depths come in steps of {:.3g} mm", n, 1e3 * n / depth_scale);
+  if (n == 256 || n == 257)
+    return found +
+           ": they have been made of images of 8 bits, which cannot hold depths; take the original ones";
+  return found + fmt::format(": depth_scale is probably {}{}", 1000 * n,
+                             isPowerOfTwo(n)
+                                 ? fmt::format(" (or the bits are shifted or rotated by {})", bitsOf(n))
+                                 : std::string());
+}
+
+}  // namespace
+
+DepthValues depthValues(const DepthSequence& sequence) {
+  const auto& frames = sequence.frames();
+  const std::size_t n = std::min(frames.size(), kMostImages);
+  Counter counter;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& path = frames[i * frames.size() / n].path;
+    if (!internal::isPng(path)) continue;
+    try {
+      constexpr int kBits = 16;
+      counter.add(readGreyPng(path, kBits));
+    } catch (const IoError&) {  // the image is named when it is read as one
+    }
+  }
+  return std::move(counter).result();
+}
+
+ValueCheck checkValues(DepthValues values, double depth_scale) {
+  constexpr double kFar = 10;                      // [m]
+  constexpr double kManyFar = 0.25;                // share of the pixels
+  constexpr double kLeastMedian = 0.25;            // [m]
+  constexpr double kNoCamera = 0.1, kNoRoom = 30;  // [m] medians of no recording
+  constexpr double k8Bits = 256;
+  ValueCheck check;
+  check.values = std::move(values);
+  const DepthValues& found = check.values;
+  if (found.count == 0) return check;
+  std::size_t far = 0;
+  for (std::size_t value = 0; value < kValues; ++value)
+    if (static_cast<double>(value) > kFar * depth_scale) far += found.histogram[value];
+  check.share_beyond_10m = static_cast<double>(far) / static_cast<double>(found.count);
+  check.median_depth = found.median / depth_scale;
+  if (haveSwappedBytes(found)) {
+    check.impossible = true;
+    check.faults.push_back(fmt::format(
+        "the bytes of the PNG values are swapped: neighbouring pixels differ by {:.0f} values, and by {:.0f} "
+        "with the bytes in the other order; PNG is big-endian, write the images anew",
+        found.neighbours, found.neighbours_swapped));
+    return check;
+  }
+  const bool is_far = check.share_beyond_10m > kManyFar;
+  const std::string divisor = divisorFault(found, depth_scale);
+  if (!divisor.empty()) {
+    check.faults.push_back(divisor);
+    check.impossible = is_far;
+  }
+  if (quantile(found.histogram, 0.999) < k8Bits && check.median_depth > kLeastMedian)
+    check.faults.emplace_back(
+        "all PNG values are below 256: depths have been cut down to 8 bits; take the original ones");
+  check.impossible = check.impossible || check.median_depth < kNoCamera || check.median_depth > kNoRoom;
+  const std::string what_to_do = "is depth_scale right? (--depth-scale tries another one)";
+  if (check.median_depth < kLeastMedian)
+    check.faults.push_back(
+        fmt::format("half of the depths are below {:.2f} m, nearer than depth cameras measure: {}",
+                    check.median_depth, what_to_do));
+  else if (is_far)
+    check.faults.push_back(
+        fmt::format("{:.0f} % of the depths are beyond 10 m, farther than depth cameras measure: {}",
+                    100 * check.share_beyond_10m, what_to_do));
+  return check;
+}
+
+}  // namespace facetloc

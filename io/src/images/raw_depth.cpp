@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Formats whose pixels are not packed: NPY, PGM and PFM.
+#include "base/text.h"
+#include "bytes/files.h"
+#include "images/depth_file.h"
+#include "images/netpbm.h"
+
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <string>
+#include <string_view>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+using netpbm::requireBytes;
+using netpbm::requireSize;
+
+std::string bytesOf(const fs::path& path) {
+  std::string bytes = files::readBytes(path);
+  if (bytes.empty()) throw IoError(path.string(), "is empty");
+  return bytes;
+}
+
+/** A number of the file in the order of bytes of this machine, which is little-endian. */
+template <typename T>
+T numberAt(const char* bytes, bool big_endian) {
+  std::array<char, sizeof(T)> ordered;
+  std::copy(bytes, bytes + sizeof(T), ordered.begin());
+  if (big_endian) std::reverse(ordered.begin(), ordered.end());
+  T value;
+  std::memcpy(&value, ordered.data(), sizeof value);
+  return value;
+}
+
+float halfAt(const char* bytes, bool big_endian) {
+  constexpr int kMantissa = 10, kBias = 15, kLargest = 31;
+  const auto bits = numberAt<std::uint16_t>(bytes, big_endian);
+  const int exponent = bits >> kMantissa & kLargest, mantissa = bits & ((1 << kMantissa) - 1);
+  if (exponent == kLargest || bits >> 15) return 0;  // infinite, none, or negative
+  if (exponent == 0) return std::ldexp(static_cast<float>(mantissa), 1 - kBias - kMantissa);
+  return std::ldexp(static_cast<float>(mantissa | 1 << kMantissa), exponent - kBias - kMantissa);
+}
+
+/** The text behind a key of the header of an NPY file, without blanks. */
+std::string_view behind(std::string_view header, std::string_view key) {
+  const auto at = header.find(key);
+  return at == std::string_view::npos ? std::string_view() : text::trimmed(header.substr(at + key.size()));
+}
+
+struct NpyHeader {
+  bool big_endian = false;
+  std::string type;  // "u2"
+  std::uint64_t width = 0, height = 0;
+  bool by_columns = false;
+};
+
+NpyHeader parseHeader(const fs::path& path, std::string_view header) {
+  const auto fail = [&path](const std::string& cause) -> void { throw IoError(path.string(), cause); };
+  NpyHeader parsed;
+  const std::string_view type = behind(header, "'descr':"), order = behind(header, "'fortran_order':");
+  if (type.size() < 5 || type[0] != '\'' || type[4] != '\'') fail("is not an NPY file of plain numbers");
+  parsed.big_endian = type[1] == '>';
+  parsed.type = type.substr(2, 2);
+  parsed.by_columns = order.rfind("True", 0) == 0;
+  std::string_view shape = behind(header, "'shape':");
+  const auto end = shape.find(')');
+  if (shape.empty() || shape[0] != '(' || end == std::string_view::npos)
+    fail("is a corrupt NPY file: no shape");
+  std::vector<std::uint64_t> sides;
+  const std::string_view list = shape.substr(1, end - 1);
+  for (const std::string_view side : text::split(list, ',')) {
+    if (text::trimmed(side).empty()) continue;
+    const auto value = text::to<std::uint64_t>(text::trimmed(side));
+    if (!value) fail("is a corrupt NPY file: its shape is not of whole numbers");
+    sides.push_back(*value);
+  }
+  if (sides.size() == 3 && sides[2] == 1) sides.pop_back();
+  if (sides.size() == 3 && sides[0] == 1) sides.erase(sides.begin());
+  if (sides.size() != 2)
+    fail(fmt::format(
+        "holds an array of the shape ({}), not one depth image of height x width: write each image "
+        "to a file of its own",
+        list));
+  parsed.height = sides[0], parsed.width = sides[1];
+  return parsed;
+}
+
+template <typename T>
+std::uint16_t asNumber(T value) {
+  return value > 0 && value <= T(65535) ? static_cast<std::uint16_t>(value) : 0;
+}
+
+}  // namespace
+
+DepthValues readNpy(const fs::path& path) {
+  constexpr std::size_t kMagic = 6, kShort = 10, kLong = 12;
+  const std::string bytes = bytesOf(path);
+  if (bytes.size() < kLong || bytes.compare(0, kMagic, "\x93NUMPY") != 0)
+    throw IoError(path.string(), "is not an NPY file");
+  const bool is_short = bytes[kMagic] == 1;
+  const std::size_t begin = is_short ? kShort : kLong;
+  const std::size_t length = is_short ? numberAt<std::uint16_t>(bytes.data() + 8, false)
+                                      : numberAt<std::uint32_t>(bytes.data() + 8, false);
+  requireBytes(path.string(), bytes.size(), begin + length);
+  const NpyHeader header = parseHeader(path, std::string_view(bytes).substr(begin, length));
+  requireSize(path.string(), header.width, header.height);
+  const std::size_t n = header.width * header.height, size = static_cast<std::size_t>(header.type[1] - '0');
+  const char* data = bytes.data() + begin + length;
+  constexpr std::size_t kLargest = 8;
+  requireBytes(path.string(), bytes.size() - begin - length, n * std::min(size, kLargest));
+
+  DepthValues values{static_cast<int>(header.width), static_cast<int>(header.height), {}, {}};
+  const auto fill = [&](auto& out, auto valueAt) {
+    out.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = header.by_columns ? i / header.width + i % header.width * header.height : i;
+      out[i] = valueAt(data + at * size);
+    }
+  };
+  const bool big = header.big_endian;
+  const std::string& type = header.type;
+  if (type == "u2")
+    fill(values.numbers, [big](const char* p) { return numberAt<std::uint16_t>(p, big); });
+  else if (type == "i2")
+    fill(values.numbers, [big](const char* p) { return asNumber(numberAt<std::int16_t>(p, big)); });
+  else if (type == "u4")
+    fill(values.numbers, [big](const char* p) { return asNumber(numberAt<std::uint32_t>(p, big)); });
+  else if (type == "i4")
+    fill(values.numbers, [big](const char* p) { return asNumber(numberAt<std::int32_t>(p, big)); });
+  else if (type == "f2")
+    fill(values.metres, [big](const char* p) { return halfAt(p, big); });
+  else if (type == "f4")
+    fill(values.metres, [big](const char* p) { return numberAt<float>(p, big); });
+  else if (type == "f8")
+    fill(values.metres, [big](const char* p) { return static_cast<float>(numberAt<double>(p, big)); });
+  else
+    throw IoError(path.string(), "is of the type " + text::quoted(type) +
+                                     ", not of one of u2, i2, u4, i4 (by depth_scale), f2, f4, f8 (metres)");
+  return values;
+}
+
+DepthValues readPgm(const fs::path& path) {
+  constexpr int kNarrow = 255;  // largest value of 8 bits
+  netpbm::Greymap map = netpbm::parsePgm(path.string(), bytesOf(path));
+  if (map.white <= kNarrow) throw IoError(path.string(), "has 8 bits per pixel, not 16");
+  return {map.image.width, map.image.height, {}, std::move(map.image.data)};
+}
+
+DepthValues readPfm(const fs::path& path) {
+  const std::string bytes = bytesOf(path), source = path.string();
+  netpbm::Header header(source, bytes);
+  if (header.word() != "Pf") throw IoError(path.string(), "is not a PFM file of one channel");
+  const auto width = header.number<std::uint32_t>(), height = header.number<std::uint32_t>();
+  const bool big_endian = header.number<double>() > 0;
+  requireSize(path.string(), width, height);
+  const std::size_t n = std::size_t(width) * height;
+  const std::string_view pixels = header.pixels();
+  requireBytes(path.string(), pixels.size(), sizeof(float) * n);
+  DepthValues values{static_cast<int>(width), static_cast<int>(height), std::vector<float>(n), {}};
+  for (std::size_t v = 0; v < height; ++v)
+    for (std::size_t u = 0; u < width; ++u)
+      values.metres[v * width + u] =
+          numberAt<float>(pixels.data() + sizeof(float) * ((height - 1 - v) * width + u), big_endian);
+  return values;
+}
+
+}  // namespace facetloc

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "maps/map_reader.h"
+
+#include "maps/map_rows.h"
+#include "maps/map_schema.h"
+
+#include <facetloc/features/map_parts.h>
+#include <facetloc/features/sure_threshold.h>
+
+#include <cmath>
+#include <fmt/format.h>
+#include <stdexcept>
+#include <utility>
+
+namespace facetloc {
+
+using namespace map_rows;
+using sqlite::BadCell;
+using sqlite::Connection;
+using sqlite::Statement;
+
+std::string nameOf(int model, const std::string& name) { return fmt::format("model {} ('{}')", model, name); }
+
+void MapReader::readAll(Views views) {
+  readMeta();
+  readCamera();
+  readAmbiguity();
+  readModels();
+  if (views != Views::leave) readSegments();
+  readGravity();
+  readPictures(views);
+  readLinks();
+}
+
+Map MapReader::read() {
+  readAll(Views::keep);
+  for (std::size_t i = 0; i < views_.size(); ++i) map_.models[i].setView(std::move(views_[i]));
+  return std::move(map_);
+}
+
+void MapReader::check() { readAll(Views::look_at); }
+
+Map MapReader::readWithoutViews() {
+  readAll(Views::leave);
+  return std::move(map_);
+}
+
+void MapReader::requireSound() const {
+  if (faults_.empty()) return;
+  const std::string more = faults_.size() > 1 ? fmt::format(" (and {} more faults)", faults_.size() - 1) : "";
+  throw IoError(db_.name(), fmt::format("is not sound: {}{}", faults_.front(), more));
+}
+
+Map readSound(sqlite::Connection& db, bool with_views) {
+  MapReader reader(db);
+  Map map = with_views ? reader.read() : reader.readWithoutViews();
+  reader.requireSound();
+  placeByLinks(map);
+  return map;
+}
+
+/** Maps that were made before gravity could be measured lack its table. */
+bool hasGravity(sqlite::Connection& db) {
+  return Statement(db, "SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = 'gravity'").step();
+}
+
+/** Calls a function for every row; a bad row is reported with the label that the function has set so far. */
+template <typename Function>
+void MapReader::forEachRow(const std::string& sql, const Function& function) {
+  Statement row(db_, sql);
+  while (row.step()) {
+    std::string label = "a row";
+    try {
+      function(row, label);
+    } catch (const BadCell& e) {
+      faults_.push_back(fmt::format("{}: {}", label, e.what()));
+    }
+  }
+}
+
+/** The model that a row belongs to. */
+std::size_t MapReader::modelOf(int id, std::string& label) const {
+  label += fmt::format(" of model {}", id);
+  require(id >= 0 && id < static_cast<int>(map_.models.size()), "there is no such model");
+  return static_cast<std::size_t>(id);
+}
+
+void MapReader::readMeta() {
+  forEachRow(schema::select("key, value", "meta", "key"), [this](Statement& row, std::string& label) {
+    label = "a row of meta";
+    const std::string key = row.text();
+    map_.meta[key] = row.text();
+  });
+  try {
+    sureThresholdOf(map_);
+  } catch (const std::invalid_argument& e) {
+    faults_.push_back(e.what());
+  }
+}
+
+void MapReader::readCamera() {
+  forEachRow(schema::select(schema::kCameraColumns, "camera", "id"),
+             [this](Statement& row, std::string& label) {
+               label = "the camera";
+               row.skip(1);
+               map_.camera = map_rows::readCamera(row);
+             });
+}
+
+void MapReader::readAmbiguity() {
+  forEachRow(schema::select(schema::kAmbiguityColumns, "ambiguity", "id"),
+             [this](Statement& row, std::string& label) {
+               label = "the ambiguity";
+               row.skip(1);
+               map_.ambiguity = map_rows::readAmbiguity(row);
+             });
+}
+
+void MapReader::readModels() {
+  forEachRow(
+      schema::select(schema::kModelColumns, "model", "id"), [this](Statement& row, std::string& label) {
+        const int index = static_cast<int>(map_.models.size());
+        label = fmt::format("model {}", index);
+        map_.models.emplace_back();  // even a bad model keeps its place, so that the next ones have theirs
+        views_.emplace_back();
+        num_segments_.push_back(0);
+        require(row.integer() == index, "the model numbers have a gap before it");
+        ModelRow read = readModel(row);
+        map_.models.back() = std::move(read.model);
+        views_.back().intrinsics = read.intrinsics;
+        views_.back().depth.noise = map_.camera.noise;  // unless it has a picture
+        num_segments_.back() = read.num_segments;
+      });
+}
+
+void MapReader::readSegments() {
+  std::vector<int> found(map_.models.size(), 0);
+  forEachRow(schema::select(schema::kSegmentColumns, "segment", "model_id, idx"),
+             [&](Statement& row, std::string& label) {
+               label = "a segment";
+               const int model_id = row.integer(), index = row.integer();
+               label = fmt::format("segment {}", index);
+               const std::size_t model = modelOf(model_id, label);
+               require(index == found[model]++, "the segment numbers have a gap before it");
+               views_[model].segments.push_back(readSegment(row));
+             });
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (found[i] != num_segments_[i])
+      faults_.push_back(fmt::format("{}: num_segments says {}, but there are {}",
+                                    nameOf(static_cast<int>(i), map_.models[i].name), num_segments_[i],
+                                    found[i]));
+}
+
+void MapReader::readGravity() {
+  if (!hasGravity(db_)) return;
+  forEachRow(schema::select(schema::kGravityColumns, "gravity", "model_id"),
+             [this](Statement& row, std::string& label) {
+               label = "the gravity";
+               View& view = views_[modelOf(row.integer(), label)];
+               view.gravity = map_rows::readGravity(row);
+             });
+}
+
+/** Before anything is unpacked: the memory for all pictures, of two bytes a pixel and as much for each
+ * of two extremes, must fit the size of the file. Pictures of real images pack to a third, ones of blank
+ * walls to a hundredth. */
+void MapReader::requireMemoryForPictures() {
+  constexpr double kBytesPerPixel = 6, kAlways = 512e6, kMostPacked = 100;
+  Statement sum(db_, "SELECT coalesce(sum(1.0 * width * height), 0), coalesce(sum(1.0 * length(data)), 0) "
+                     "FROM depth_picture");
+  sum.step();
+  const double unpacked = kBytesPerPixel * sum.real(), in_file = sum.real();
+  if (unpacked > kAlways + kMostPacked * in_file)
+    throw IoError(db_.name(), fmt::format("is not sound: its depth pictures would take {} MB of memory",
+                                          static_cast<long>(unpacked / 1e6)));
+}
+
+void MapReader::readPictures(Views views) {
+  const bool whole = views != Views::leave;
+  if (whole) requireMemoryForPictures();
+  forEachRow(schema::select(whole ? schema::kPictureColumns : schema::kPictureHeadColumns, "depth_picture",
+                            "model_id"),
+             [&](Statement& row, std::string& label) {
+               label = "the depth picture";
+               View& view = views_[modelOf(row.integer(), label)];
+               if (views == Views::leave)
+                 readPictureHead(row, view.intrinsics);
+               else if (DepthPicture picture = unpacked(readPicture(row, view.intrinsics));
+                        views == Views::keep)
+                 view.depth = std::move(picture);
+             });
+}
+
+void MapReader::readLinks() {
+  forEachRow(schema::select(schema::kLinkColumns, "link", "id"), [this](Statement& row, std::string& label) {
+    label = "a link";
+    label = fmt::format("link {}", row.integer());
+    const Link link = readLink(row);
+    require(linked_.emplace(link.from, link.to).second, "another one joins the same models");
+    for (const int end : {link.from, link.to}) modelOf(end, label);
+    map_.links.push_back(link);
+  });
+}
+
+namespace {
+
+/** The rows that a prepared statement has for a model. Left open, they would keep others from writing. */
+class RowsOf {
+public:
+  RowsOf(Statement& statement, int model) : statement_(statement) { statement_ << model; }
+  RowsOf(const RowsOf&) = delete;
+  RowsOf& operator=(const RowsOf&) = delete;
+  ~RowsOf() { statement_.reset(); }
+  Statement* operator->() const { return &statement_; }
+  Statement& row() const { return statement_; }
+
+private:
+  Statement& statement_;
+};
+
+std::string ofModel(const char* columns, const char* table, const char* model) {
+  return schema::select(columns, table) + " WHERE " + model + " = ?";
+}
+
+}  // namespace
+
+ViewReader::ViewReader(Connection& db, const DepthNoise& noise)
+    : db_(db),
+      usual_noise_(noise),
+      of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
+      segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
+      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
+  if (hasGravity(db)) gravity_.emplace(db, ofModel(schema::kGravityColumns, "gravity", "model_id"));
+}
+
+PackedView ViewReader::read(int model) {
+  PackedView packed;
+  packed.file_ = db_.name();
+  packed.label_ = fmt::format("model {}", model);
+  View& view = packed.view_;
+  try {
+    const RowsOf of_model(of_model_, model);
+    require(of_model->step(), "there is no such model");
+    of_model->skip(1);
+    const ModelRow of_file = readModel(of_model.row());
+    view.intrinsics = of_file.intrinsics;
+    view.depth.noise = usual_noise_;
+
+    const RowsOf segment(segments_, model);
+    while (segment->step()) {
+      segment->skip(1);
+      require(segment->integer() == static_cast<int>(view.segments.size()), "its segment numbers have a gap");
+      view.segments.push_back(readSegment(segment.row()));
+    }
+    require(of_file.num_segments == static_cast<int>(view.segments.size()), "num_segments is wrong");
+
+    if (gravity_) {
+      const RowsOf gravity(*gravity_, model);
+      if (gravity->step()) {
+        gravity->skip(1);
+        view.gravity = map_rows::readGravity(gravity.row());
+      }
+    }
+
+    const RowsOf picture(picture_, model);
+    if (!picture->step()) return packed;
+    picture->skip(1);
+    packed.picture_ = readPicture(picture.row(), view.intrinsics);
+  } catch (const BadCell& e) {
+    throw IoError(packed.file_, fmt::format("is not sound: {}: {}", packed.label_, e.what()));
+  }
+  return packed;
+}
+
+View PackedView::unpacked() && {
+  try {
+    if (picture_) view_.depth = map_rows::unpacked(*picture_);
+  } catch (const BadCell& e) {
+    throw IoError(file_, fmt::format("is not sound: {}: {}", label_, e.what()));
+  }
+  return std::move(view_);
+}
+
+}  // namespace facetloc

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "bytes/plausible.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace facetloc {
+
+/** \brief A pose as our files and tables have it: tx ty tz qx qy qz qw, with qw >= 0. */
+using PoseColumns = std::array<double, 7>;
+
+inline PoseColumns toColumns(const Eigen::Isometry3d& T) {
+  Eigen::Quaterniond q = Eigen::Quaterniond(T.linear()).normalized();
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const auto& t = T.translation();
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+/** \brief The fault of a pose; null if it is sound. \param tolerance of |q|^2, which is 1 */
+inline const char* faultOf(const PoseColumns& c, double tolerance) {
+  if (!std::all_of(c.begin(), c.end(), [](double x) { return std::isfinite(x); })) return "is not finite";
+  if (!plausible::isPosition({c[0], c[1], c[2]})) return "is more than 1000 km away";
+  const Eigen::Quaterniond q(c[6], c[3], c[4], c[5]);
+  return std::abs(q.squaredNorm() - 1) <= tolerance ? nullptr : "is not a rotation";
+}
+
+/** \brief Empty if it has a fault. */
+inline std::optional<Eigen::Isometry3d> fromColumns(const PoseColumns& c, double tolerance) {
+  if (faultOf(c, tolerance)) return {};
+  const Eigen::Quaterniond q(c[6], c[3], c[4], c[5]);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = q.normalized().toRotationMatrix();
+  T.translation() << c[0], c[1], c[2];
+  return T;
+}
+
+}  // namespace facetloc
