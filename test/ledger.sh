@@ -163,7 +163,7 @@ passage() {
 unmapped() {
   local name=unmapped_$1$2 run
   chosen "$name" single drive || return 0
-  place "$name" "$1" --seed "$2" --width 320 --map-frames 160 --query-frames 160 "${one[@]}"
+  place "$name" "$1" --seed "$2" --width 320 --map-frames 240 --query-frames 160 "${one[@]}"
   run=$name/map
   mkdir -p "$name/seen/depth"
   cp "$run/camera.ini" "$name/seen"
