@@ -172,7 +172,7 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
   if (!image.valid()) return;
   if (params_.labels.estimate_noise) estimateNoise(image, out);
 
-  // Of smooth noise fewer errors are independent, and the largest of fewer is smaller (METHOD 2.3).
+  // Smooth noise has fewer independent errors, and the largest of fewer is smaller (METHOD 2.3).
   constexpr double kOfSmooth = 0.7;
   const double unit = out.correlation_px > 0 ? kOfSmooth * out.noise : out.noise;
   toDisparity(image, unit, disparity_);

@@ -36,7 +36,7 @@ public:
   int rows() const { return levels_[0].rows; }
   /** \brief The leaf of each smallest cell, row by row; -1 = none. */
   const std::vector<std::int32_t>& leafOfCell() const { return leaf_of_cell_; }
-  /** \brief Of a smallest cell that has a leaf. */
+  /** \brief Moments of a smallest cell that has a leaf. */
   const PlaneMoments& momentsOfCell(std::size_t cell) const { return levels_[0].cells[cell].moments; }
 
   /** \brief Calls a function with any two leaves that have a side, or a part of one, in common, once. */

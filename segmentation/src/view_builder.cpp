@@ -26,17 +26,19 @@ SegmentEstimationParams featuresOf(const ViewParams& params) {
 
 }  // namespace
 
-ViewBuilder::ViewBuilder(const Camera& camera, const ViewParams& params)
+ViewBuilder::ViewBuilder(const Camera& camera, const ViewParams& params, int working_width)
     : camera_(std::make_shared<const Camera>(camera)),
       segmenter_(checked(params), checked(camera.noise)),
-      estimation_(featuresOf(params)) {
+      estimation_(featuresOf(params)),
+      working_width_(working_width) {
   if (!(camera.max_depth > 0)) throw std::invalid_argument("ViewBuilder: max_depth must be positive");
   if (camera.distortion) correction_.emplace(*camera.distortion);
 }
 
-View ViewBuilder::build(const DepthImage& image) {
+View ViewBuilder::build(const DepthImage& image, const std::optional<Gravity>& gravity) {
   View view;
   build(image, view);
+  view.gravity = gravity;
   return view;
 }
 
@@ -59,8 +61,12 @@ void ViewBuilder::build(const DepthImage& measured, View& view) {
   features_ms_ = millisecondsSince(features_start);
 }
 
-// Without the depths that the camera does not measure, or not well, and without its distortion.
-const DepthImage& ViewBuilder::prepared(const DepthImage& measured) {
+// At the working width, without the depths that the camera does not measure, or not well, and without its
+// distortion.
+const DepthImage& ViewBuilder::prepared(const DepthImage& full) {
+  const bool is_large = working_width_ > 0 && subsamplingStep(full.camera, working_width_) > 1;
+  if (is_large) small_ = workingImage(full, working_width_);
+  const DepthImage& measured = is_large ? small_ : full;
   if (std::isinf(camera_->max_depth)) return correction_ ? (*correction_)(measured) : measured;
   near_ = measured;
   dropBeyond(camera_->max_depth, near_);

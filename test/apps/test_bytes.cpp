@@ -15,7 +15,8 @@ using test::ExampleScene;
 View exampleView() {
   Camera camera;
   camera.noise.inverse_depth_std = 0.01 / 3;
-  return ViewBuilder(camera).build(ExampleScene().see("corner", ExampleScene::pose(0, 0, 10)).depth);
+  const DepthImage image = ExampleScene().see("corner", ExampleScene::pose(0, 0, 10)).depth;
+  return ViewBuilder(camera).build(image, Gravity{{0, 0.6, 0.8}, 0.01});
 }
 
 /** The bytes hold every number: two values of equal bytes are equal. */
@@ -40,6 +41,9 @@ TEST(Bytes, LocalModelsSurvive) {
   EXPECT_EQ(received.intrinsics, sent.intrinsics);
   EXPECT_EQ(received.depth.camera, sent.depth.camera);
   EXPECT_EQ(received.noise(), sent.noise());
+  ASSERT_TRUE(received.gravity);
+  EXPECT_EQ(received.gravity->down, sent.gravity->down);
+  EXPECT_EQ(received.gravity->std, sent.gravity->std);
   ASSERT_EQ(received.segments.size(), sent.segments.size());
   for (std::size_t i = 0; i < sent.segments.size(); ++i) {
     const Segment &a = received.segments[i], &b = sent.segments[i];

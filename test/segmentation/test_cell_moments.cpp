@@ -56,7 +56,7 @@ double sseByLeastSquares(const std::vector<Eigen::Vector3d>& pixels) {
   return (A * A.colPivHouseholderQr().solve(d) - d).squaredNorm();
 }
 
-// Of sizes that are no multiples of a cell, with holes and without.
+// Images of sizes that are no multiples of a cell, with holes and without.
 std::vector<DisparityImage> images() {
   std::vector<DisparityImage> out = {roomDisparity(test::tinyCamera(), 1)};
   unsigned seed = 2;

@@ -23,7 +23,7 @@ using test::smallCamera;
 
 DepthImage wall() { return render({endlessPlane({0, 0, 2}, {0.3, 0.2, 1})}, smallCamera()).image; }
 
-// By the differences of neighbours alone, in every step-th row.
+// Noise by the differences of neighbours alone, in every step-th row.
 double noiseOfNeighbours(const DepthImage& image, int step) {
   std::vector<double> differences;
   for (int v = step / 2; v < image.camera.height; v += step)

@@ -130,6 +130,25 @@ TEST(ViewBuilder, AViewKnowsItsCameraAndTheNoiseItWasSeenWith) {
   EXPECT_EQ(noisier.camera, quiet.camera);  // shared by all views of the builder
 }
 
+TEST(ViewBuilder, ALargeImageIsThinnedToTheWorkingWidth) {
+  const DepthImage image = roomImage();
+  const int half = image.camera.width / 2;
+  const View thinned = ViewBuilder({}, {}, half).build(image),
+             expected = ViewBuilder().build(workingImage(image, half));
+  EXPECT_EQ(thinned.intrinsics, expected.intrinsics);
+  EXPECT_EQ(thinned.segments.size(), expected.segments.size());
+  EXPECT_EQ(thinned.depth.inverse_depth, expected.depth.inverse_depth);
+  EXPECT_EQ(ViewBuilder({}, {}, image.camera.width).build(image).intrinsics, image.camera);
+}
+
+TEST(ViewBuilder, AViewHasTheGravityOfItsImage) {
+  const Gravity gravity{Eigen::Vector3d::UnitY(), kDegree};
+  ViewBuilder builder;
+  ASSERT_TRUE(builder.build(roomImage(), gravity).gravity);
+  EXPECT_EQ(builder.build(roomImage(), gravity).gravity->down, gravity.down);
+  EXPECT_FALSE(builder.build(roomImage()).gravity) << "gravity of the last image is not kept";
+}
+
 TEST(ViewBuilder, NothingGivesAViewWithoutSegments) {
   ViewBuilder builder;
   builder.build(roomImage());

@@ -29,7 +29,7 @@ using CameraPtr = std::shared_ptr<CameraFile>;
 class DepthArray {
 public:
   DepthArray(const py::array& depth, CameraPtr camera);
-  /** \brief Of a pinhole camera, subsampled to the working width. Needs no lock. */
+  /** \brief Depth image of a pinhole camera, subsampled to the working width. Needs no lock. */
   DepthImage image(int working_width) const;
   const Camera& camera() const { return camera_->camera; }
 

@@ -27,9 +27,7 @@ struct LockedLocalizer {
   }
 
   View viewOf(const DepthArray& depth, const std::optional<Gravity>& gravity) const {
-    View view = ViewBuilder(map->calibrated(depth.camera())).build(depth.image(width));
-    view.gravity = gravity;
-    return view;
+    return ViewBuilder(map->calibrated(depth.camera())).build(depth.image(width), gravity);
   }
 
   MapPtr map;

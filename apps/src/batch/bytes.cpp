@@ -57,11 +57,16 @@ void fields(Archive& archive, DepthDistortion& distortion) {
 }
 
 template <class Archive>
+void fields(Archive& archive, Gravity& gravity) {
+  archive(gravity.down, gravity.std);
+}
+
+template <class Archive>
 void fields(Archive& archive, View& view) {
   // Its camera is known to whoever receives it, and its picture is packed.
   DepthNoise& noise = view.depth.noise;
   archive(view.intrinsics, view.segments, view.depth.camera, noise.inverse_depth_std, noise.depth_std,
-          noise.depth_std_slope);
+          noise.depth_std_slope, view.gravity);
 }
 
 template <class Archive>

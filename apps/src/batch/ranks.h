@@ -55,7 +55,7 @@ public:
   /** \brief The number of items that this rank owns. */
   std::size_t share(std::size_t items) const { return (items + size_ - 1 - rank_) / size_; }
 
-  /** \brief From the first to all others. */
+  /** \brief Sends from the first to all others. */
   void tell(const std::string& bytes) const;
   std::string hear() const;
 

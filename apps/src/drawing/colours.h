@@ -28,7 +28,7 @@ Colour mixed(const Colour& a, const Colour& b, double share_of_b);
 
 constexpr Colour kBlack = {0, 0, 0}, kWhite = {255, 255, 255}, kRed = {200, 40, 40};
 
-/** \brief Of the curves of a chart and the runs of a map: blue, green, orange, purple, brown, pink, teal. */
+/** \brief Colours of chart curves and of a map's runs: blue, green, orange, purple, brown, pink, teal. */
 constexpr std::array<Colour, 7> kCurveColours = {{{31, 119, 180},
                                                   {44, 160, 44},
                                                   {255, 127, 14},

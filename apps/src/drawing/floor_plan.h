@@ -25,7 +25,7 @@ struct FloorPlan {
  * no model of the map has one. */
 FloorPlan floorPlan(const Map& map, int part, const std::filesystem::path& picture);
 
-/** \brief From metres to a box of a page, in whose middle the extent lies. */
+/** \brief Scale from metres to a box of a page, in whose middle the extent lies. */
 class PlanScale {
 public:
   PlanScale(const Eigen::AlignedBox2d& extent, double pixels_per_metre, const Box& box)
@@ -48,7 +48,7 @@ private:
 
 /** \brief Smaller plans are drawn as if they were this large [m]. */
 constexpr double kLeastExtent = 0.5;
-/** \brief Of a plan that is to fill a box. */
+/** \brief Scale of a plan that is to fill a box. */
 double pixelsPerMetreFor(const Eigen::AlignedBox2d& extent, double width, double height);
 
 /** \brief A segment from above, the darker the taller. \param from, to on the page. */

@@ -47,7 +47,7 @@ struct MapPage {
   std::function<std::optional<View>(std::size_t answer)> view;
 };
 
-/** \brief From how many links on a page hides them until they are asked for. */
+/** \brief Largest number of links that a page shows without being asked. */
 constexpr int kMostLinks = 30;
 
 /** \brief Writes a page for browsers, one file that needs no network, atomically: the segments of all local

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kPatience = 10000;  // [ms] for Xvfb to come up
 
-/** In the child: becomes Xvfb, which writes the number of its display to a pipe. */
+/** Runs in the child: becomes Xvfb, which writes the number of its display to a pipe. */
 [[noreturn]] void becomeServer(int pipe_end, const char* pipe_name) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // it does not outlive us, however we end
   setsid();                          // a Ctrl-C that ends the tool cleanly does not kill it

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drawing/colours.h"
+#include "inputs/seen_image.h"
 
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/local_model.h>
@@ -13,21 +14,9 @@
 
 namespace facetloc {
 
-class ViewBuilder;
-
 // Pictures of results, PNG, written atomically; all need an X display (OffscreenDisplay). They
 // throw IoError for a file that cannot be written, std::invalid_argument for an image without pixels or with
 // labels of another size. The same input gives the same picture.
-
-/** \brief A depth image and its segments. */
-struct SeenImage {
-  std::string name;
-  DepthImage depth;   ///< at the working size
-  LabelImage labels;  ///< k = segment k - 1 of the view
-  View view;
-};
-/** \brief Segments an image. */
-SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder);
 
 /** \brief A view that has segments alone, as its camera would see them: the depth of their planes. */
 SeenImage seeSegments(const std::string& name, View view);

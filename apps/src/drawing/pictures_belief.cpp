@@ -34,7 +34,7 @@ Grid gridFor(std::size_t plans, const Eigen::AlignedBox2d& extent) {
   return best;
 }
 
-/** Of the plan, and of the places that are likely enough to be looked at. */
+/** Extent of the plan, and of the places that are likely enough to be looked at. */
 Eigen::AlignedBox2d extentOf(const FloorPlan& plan, const std::vector<DrawnBelief>& beliefs) {
   constexpr double kRoom = 0.3;  // about a place, for its disk [m]
   Eigen::AlignedBox2d extent = plan.extent();

@@ -103,7 +103,7 @@ struct PlacedEntry {
   Eigen::Vector2d at;  // offset from the legend's top left corner
 };
 
-/** In rows of at most the given width. \return the height of all rows in rows_height. */
+/** Entries in rows of at most the given width. \return the height of all rows in rows_height. */
 std::vector<PlacedEntry> placed(const std::vector<LegendEntry>& entries, double width, double& rows_height) {
   constexpr double kGap = 26;
   std::vector<PlacedEntry> out;

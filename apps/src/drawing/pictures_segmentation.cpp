@@ -40,15 +40,6 @@ void drawModel3d(Page& page, const Box& box, const View& view) {
 
 }  // namespace
 
-SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder) {
-  SeenImage image;
-  image.name = name;
-  image.view = builder.build(depth);
-  image.labels = builder.segmentation().labels;
-  image.depth = std::move(depth);
-  return image;
-}
-
 SeenImage seeSegments(const std::string& name, View view) {
   SeenImage image;
   image.name = name + ", by its segments";

@@ -111,7 +111,7 @@ void SegmentScene::addLine(const Polygon& points, bool closed, const Colour& col
   data->SetLines(oneCell(points.size(), closed));
   const auto actor = actorOf(data, colour);
   actor->GetProperty()->SetLineWidth(static_cast<float>(width));
-  // Of lines in the same place, the thicker one is in front.
+  // The thicker one of lines in the same place is in front.
   auto* mapper = vtkPolyDataMapper::SafeDownCast(actor->GetMapper());
   mapper->SetResolveCoincidentTopologyToPolygonOffset();
   mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0, -2 * width);

@@ -14,7 +14,7 @@ constexpr double kWidth = 440, kHeight = 300;                       // [px]
 constexpr double kLeft = 52, kRight = 12, kTop = 10, kBottom = 42;  // margins of the plot [px]
 constexpr double kPlotWidth = kWidth - kLeft - kRight, kPlotHeight = kHeight - kTop - kBottom;
 
-/** From values to the plot. */
+/** Converts values to positions in the plot. */
 class Axes {
 public:
   explicit Axes(const Panel& panel) : panel_(panel) {}

@@ -227,7 +227,7 @@ private:
   std::vector<std::optional<std::optional<TrueSegments>>> model_segments_;
 };
 
-/** Of several runs, one that the map was made of has no new images. */
+/** Marks images of the runs that the map was made of: where there are other runs, these are not new. */
 void markMappingRuns(const std::vector<RunResults>& runs, std::vector<FrameEvaluation>& frames) {
   if (runs.size() < 2) return;
   std::set<std::string> mapping;

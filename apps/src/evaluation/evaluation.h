@@ -63,7 +63,7 @@ struct ModelPose {
   Eigen::Isometry3d T_w_m = Eigen::Isometry3d::Identity();
   std::uintmax_t image_size = 0;  ///< size of its image's file [bytes]; 0 if unknown
 };
-/** \brief Of those local models of a map that have a pose. */
+/** \brief Poses of those local models of a map that have one. */
 std::vector<ModelPose> modelPosesOf(const Map& map);
 
 /** \brief A map image is itself one of the local models: of the same name or stamp, and at the same true pose
@@ -150,7 +150,7 @@ Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,
                     double tolerance = 0.02);
 
-/** \brief Of a sample; all zero without one. The standard deviation is the sample's (n - 1). */
+/** \brief Statistics of a sample; all zero without one. The standard deviation is the sample's (n - 1). */
 struct Statistics {
   double mean = 0;
   double std = 0;
@@ -211,7 +211,7 @@ struct Summary {
       nees;  ///< NEES of correct poses of rank 1 with a covariance; 6 on average if consistent
 };
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
-/** \brief Of the frames that are chosen. */
+/** \brief Summary of the frames that are chosen. */
 template <class Chosen>
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames, const Chosen& chosen) {
   std::vector<FrameEvaluation> some;

@@ -42,7 +42,7 @@ struct StageTime {
   double most = 0;  ///< 95 % of the images took no longer
   double max = 0;
 };
-/** \brief Of segmentation, features, localization and their sum; none without rows. Images that failed are
+/** \brief Times of segmentation, features, localization and their sum; none without rows. Failed images are
  * left out. */
 std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows);
 

@@ -11,7 +11,7 @@
 
 namespace facetloc {
 
-/** \brief Of a sample of errors; all zero without one. */
+/** \brief Moments of a sample of errors; all zero without one. */
 struct ErrorMoments {
   double rmse = 0;
   double mean = 0;

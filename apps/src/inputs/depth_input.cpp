@@ -80,12 +80,14 @@ DepthSequence openSequence(const std::string& path, const RecordingHints& hints,
   return sequence;
 }
 
-View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder) {
-  if (!sequence.ofSegments()) return builder.build(sequence.load(index, working_width));
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder,
+            const std::optional<Gravity>& gravity) {
+  if (!sequence.ofSegments()) return builder.build(sequence.load(index, working_width), gravity);
   View view = viewOfSegments(sequence.segments(index), builder.camera().noise);
   view.camera = std::make_shared<const Camera>(builder.camera());
   view.intrinsics = view.camera->intrinsics.valid() ? view.camera->intrinsics : kinectIntrinsics();
   view.intrinsics = view.intrinsics.subsampled(subsamplingStep(view.intrinsics, working_width));
+  view.gravity = gravity;
   return view;
 }
 

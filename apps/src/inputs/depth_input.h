@@ -38,7 +38,8 @@ DepthSequence openSequence(const std::string& path, const RecordingHints& hints,
 
 /** \brief The view of an image of a sequence: built from its depth, or read from its file of segments and
  * without depth. */
-View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder);
+View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder,
+            const std::optional<Gravity>& gravity = {});
 
 /** \brief A remark if the build of the map at that path has not ended. */
 void noteUnfinished(const Map& map, const std::string& path, const Console& console);

@@ -77,7 +77,7 @@ void LiveMapping::follow(const View& view, const std::string& name, double stamp
   state_.trajectory = trajectory_;
 }
 
-/** Of the background, if it has finished something. */
+/** Takes the result of the background, if it has finished something. */
 void LiveMapping::takeResult() {
   std::unique_ptr<Job> done;
   {

@@ -88,7 +88,7 @@ private:
   void work();
   void carryOut(Job& job);
 
-  // Of the thread that calls update()
+  // Used by the thread that calls update()
   const std::filesystem::path path_;
   const Camera camera_;
   GrowingMap map_;
@@ -98,7 +98,7 @@ private:
   LiveMapState state_;
   Clock::time_point improved_ = Clock::now(), next_improvement_ = improved_;
 
-  // Of the background thread
+  // Used by the background thread
   MapDatabase database_;
 
   std::mutex mutex_;

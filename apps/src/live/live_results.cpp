@@ -26,7 +26,7 @@ std::optional<int> nearestModel(const Map& map, const Eigen::Vector3d& place) {
   return nearest;
 }
 
-/** Of one live result. */
+/** Makes the row of one live result. */
 class RowWriter {
 public:
   RowWriter(const LiveResult& result, const Map* map, double min_probability)
@@ -57,7 +57,7 @@ private:
     return resultRows(frame_, answer, map, 1, min_probability_).front();
   }
 
-  /** Of the camera that makes the map. */
+  /** Row of the camera that makes the map. */
   ResultRow rowOf(const PoseWithCovariance& pose, const Map& map) const {
     const auto nearest = nearestModel(map, pose.T.translation());
     if (!nearest) return noHypothesis(frame_, "the map has no local model yet");

@@ -265,7 +265,7 @@ void LiveRun::run() {
   status_.clear();
 }
 
-/** Of images that could not be read, the source tells the last one. */
+/** Reports missing frames; the source names only the last image that could not be read. */
 void LiveRun::tellWhatIsMissing() {
   const std::string cause = source_->lastError();
   if (sourceEnded() && session_->mailbox().counts().received == 0)

@@ -148,8 +148,8 @@ void LiveSession::process(const LatestFrame<LiveFrame>::Arrived& arrived) {
   const Clock::time_point start = Clock::now();
   const DepthImage full = arrived.frame.image();
   result->stamp = increasingStamp(arrived.frame.stamp);
-  result->image = see(text::decimals(result->stamp, 6), workingImage(full, options_.width), builder_);
-  result->image.view.gravity = arrived.frame.gravity;
+  result->image = see(text::decimals(result->stamp, 6), workingImage(full, options_.width), builder_,
+                      arrived.frame.gravity);
   result->segment_ms = builder_.segmentMilliseconds();
   result->features_ms = builder_.featuresMilliseconds();
   const std::optional<Eigen::Isometry3d> motion = motionSince(arrived);

@@ -171,7 +171,7 @@ void LocalizeApp::addOptions(CommandLine& line) {
   line.addExample("office.flmap walk -o results --sequence", "as one drive");
 }
 
-/** Of a run of the same images with the same map and parameters, by name. */
+/** Results of an earlier run of the same images with the same map and parameters, by name. */
 std::map<std::string, FrameResult> LocalizeApp::earlierResults(const Provenance& provenance) const {
   const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
   if (!before) return {};
@@ -225,8 +225,8 @@ LocalizeApp::ImageBatch::Work LocalizeApp::imageWork(const Task& task, const std
   return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
           [this, &task, images, locate, builders, fileOf](std::size_t i, int worker) {
             ViewBuilder& builder = (*builders)[worker];
-            View scene = viewOf(task.sequence, images[i], input_.width, builder);
-            scene.gravity = gravity_.at(fileOf(i).stamp);
+            const View scene =
+                viewOf(task.sequence, images[i], input_.width, builder, gravity_.at(fileOf(i).stamp));
             return localizeFrame(i, fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
           }};
 }
@@ -285,8 +285,8 @@ int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) co
   std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(task.camera, input_.view));
   seeing.run([&](std::size_t i) { return frames[i].path.string(); },
              [&](std::size_t i, int worker) {
-               views[i] = viewOf(task.sequence, i, input_.width, builders[worker]);
-               views[i].gravity = gravity_.at(frames[i].stamp);
+               views[i] =
+                   viewOf(task.sequence, i, input_.width, builders[worker], gravity_.at(frames[i].stamp));
              });
   const std::size_t n = (frames.size() + starts_ - 1) / starts_;
   std::vector<std::vector<StartAnswer>> found(n);

@@ -35,7 +35,7 @@ bool isThere(const fs::path& path) {
   return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
 }
 
-// Of a build that came to nothing.
+// Removes the map of a build that came to nothing.
 void removeWithoutModels(const fs::path& path) try {
   if (openMap(path).models.empty()) fs::remove(path);
 } catch (const std::exception&) {  // the error that ended the build is reported
@@ -340,7 +340,8 @@ MapBuildApp::ModelBatch::Work MapBuildApp::modelWork(const DepthSequence& sequen
   return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
           [this, &sequence, fileOf, builders, images = order.first](std::size_t i, int worker) {
             return packed({fileOf(i).name, fileOf(i).stamp},
-                          (*builders)[worker].build(sequence.load(images[i], input_.width)));
+                          (*builders)[worker].build(sequence.load(images[i], input_.width),
+                                                    gravity_.at(fileOf(i).stamp)));
           }};
 }
 
@@ -359,7 +360,6 @@ MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence, const st
             [&](std::size_t i, std::optional<PackedModel>&& built, const std::string&) {
               if (!built) return;
               built->model.T_w_m = missing[i].T_w_m;
-              built->view.gravity = gravity_.at(sequence.frames()[missing[i].image].stamp);
               seen.noise.push_back(built->view.noise());
               if (built->view.segments.empty())
                 ++seen.without_segments;

@@ -34,7 +34,7 @@ struct DepthAgreement {
 enum class DepthLabel : signed char { outside, agree, contradict, occluded };
 using DepthLabels = std::vector<DepthLabel>;
 
-/** \brief By how much two inverse depths may differ. */
+/** \brief Error model of the difference of two inverse depths. */
 struct DepthErrors {
   double absolute = 0;  ///< error of a predicted inverse depth that is the same at all distances [1/m]
   double relative = 0;  ///< error that grows with the predicted inverse depth, as a share of it
@@ -68,7 +68,7 @@ public:
   DepthAgreement countBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
                            int columns) const;
   DepthErrors errorsBetween(const DepthPicture& a, const DepthPicture& b) const {
-    // In inverse depth r, the noise of depths is a polynomial: s_2 + s_1 r + s_0 r^2 (features/METHOD 2.2).
+    // The noise of depths is a polynomial in inverse depth r: s_2 + s_1 r + s_0 r^2 (features/METHOD 2.2).
     const DepthNoise noise = commonNoise(a, b);
     const double factor = calibration_.absolute_error;
     return {factor * noise.inverse_depth_std, calibration_.relative_error + factor * noise.depth_std_slope,
@@ -87,7 +87,7 @@ public:
                   const Eigen::Isometry3d& T_b_a);
 
   DepthLabel operator()(int u, int v) const;
-  /** \brief Of the pixels step / 2, step / 2 + step, ... of row v. */
+  /** \brief Labels the pixels step / 2, step / 2 + step, ... of row v. */
   void row(int v, int step, DepthLabels& out) const;
   /** \brief Counts the verdicts on these pixels. */
   void count(int v, int step, DepthAgreement& sum) const;

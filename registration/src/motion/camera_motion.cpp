@@ -14,7 +14,7 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kLongStep = 0.2;  // after which the next image may show another place [s]
-// Of two images that show the same; of two in quick succession it takes more to overrule the odometry.
+// Least values of images that show the same; in quick succession it takes more to overrule the odometry.
 constexpr double kLeastAgreement = 0.8, kLeastOverlap = 0.3;
 constexpr double kClearAgreement = 0.9, kClearOverlap = 0.6;
 constexpr double kGate = chiSquareQuantile(6, 0.999);
@@ -42,7 +42,7 @@ PoseWithCovariance withPrior(const PlacedView& placed, const PoseWithCovariance&
   return {perturbed(placed.T_a_b, P * of_prior * perturbation(placed.T_a_b, prior.T)), withSharedErrors(P)};
 }
 
-// By another odometry, which is wrong now and then.
+// Weighs the modes by another odometry, which is wrong now and then.
 void weigh(const PoseWithCovariance& given, std::vector<MotionMode>& modes) {
   double sum = 0;
   for (MotionMode& mode : modes) {

@@ -26,7 +26,7 @@ constexpr double kGate = chiSquareQuantile(6, 0.99);
 // Keeps the prior regular when no time has passed.
 constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
 
-// Of a camera on a robot that has come onto another piece of an uneven floor.
+// Covariance of a camera on a robot that has come onto another piece of an uneven floor.
 Matrix6d joltOf(const CameraMounting& mounting) {
   PosePriorParams floor;
   floor.translation_std = kLeastTranslation;

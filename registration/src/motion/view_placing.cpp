@@ -99,7 +99,7 @@ public:
     placed.judged = seen.judged();
     return placed;
   }
-  /** Of a pose that is an end of an alignment. */
+  /** Information of a pose at an end of an alignment, as far as the cost shows it. */
   Matrix6d shown(const PlacedView& mode) const {
     return shownInformation(mode.information, mode.T_a_b, fit_, kFineColumns).information;
   }
@@ -173,7 +173,7 @@ std::vector<Eigen::Isometry3d> walked(const ViewPair& pair, const PlacedView& fr
   return minima;
 }
 
-// Of those where enough of the views is compared: where little is, little can be wrong.
+// Poses where enough of the views is compared, the likeliest first: where little is, little can be wrong.
 std::vector<PlacedView> tested(const std::vector<PlacedView>& all) {
   int most = 0;
   for (const PlacedView& placed : all) most = std::max(most, placed.judged);

@@ -26,7 +26,7 @@ DepthCalibration refinedErrors(const Calibration& calibration);
 /** \brief Reach of the views that may show the surfaces of a scene. */
 constexpr ViewReach kEvidenceReach{2.5, 50 * kDegree};
 
-/** \brief From a score to log odds against the null hypothesis: the list lacks the place of the view. */
+/** \brief Log odds of a score against the null hypothesis: the list lacks the place of the view. */
 struct ScoreOdds {
   double slope = 0;       ///< [1/nat]
   double null_score = 0;  ///< [nats]

@@ -45,7 +45,7 @@ double overlapDistance(const Segment& scene, const Segment& model, const PoseWit
   const Eigen::Vector3d moved = R * scene.t;
   const Eigen::Vector3d delta = moved + T_m_c.T.translation() - model.t;
   const Matrix6d& P = T_m_c.P;
-  // By Cauchy and Schwarz d^T S^-1 d >= (d^T d)^2 / d^T S d, which tells most pairs apart without S.
+  // Bound by Cauchy and Schwarz, d^T S^-1 d >= (d^T d)^2 / d^T S d, which rejects most pairs without S.
   Vector6d J;
   J << moved.cross(delta), delta;
   const double variance = J.dot(P * J) + shapeVariance(scene, scene.R.transpose() * (R.transpose() * delta)) +

@@ -109,7 +109,7 @@ struct RefinedDepthCalibration {
   }
 };
 
-/** \brief From scores to probabilities, for places with evidence of nearby local models
+/** \brief Calibration from scores to probabilities, for places with evidence of nearby local models
  * (localization/METHOD 11.5). */
 struct ProbabilityCalibration {
   static constexpr const char* kTitle = "Probability of a place with evidence of nearby local models";
@@ -150,7 +150,7 @@ struct ProbabilityCalibration {
   }
 };
 
-/** \brief From scores to probabilities where there is no evidence: no world poses, or no depth pictures. */
+/** \brief Calibration from scores to probabilities without evidence: no world poses, or no depth pictures. */
 struct PlainProbabilityCalibration {
   static constexpr const char* kTitle = "Probability of a place without evidence of nearby local models";
   double slope = 0.155;
@@ -164,7 +164,7 @@ struct PlainProbabilityCalibration {
   }
 };
 
-/** \brief From scores to probabilities in a map of one local model: two views that are registered. There are
+/** \brief Calibration of probabilities in a map of one local model: two registered views. There are
  * no other places whose scores would show those of wrong ones, and one picture is less evidence than several.
  */
 struct PairProbabilityCalibration {

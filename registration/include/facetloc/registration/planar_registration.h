@@ -25,7 +25,7 @@ public:
     this->forgetTarget();
   }
   const ViewParams& getViewParams() const { return view_params_; }
-  /** \brief By which camera both clouds are seen: a Kinect-class one unless set. Without intrinsics these are
+  /** \brief Camera of both clouds: a Kinect-class one unless set. Without intrinsics these are
    * recovered from the points. */
   void setCamera(const Camera& camera) {
     camera_ = camera;

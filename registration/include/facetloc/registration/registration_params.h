@@ -90,7 +90,7 @@ struct PoseLimits {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief From scores to probabilities. */
+/** \brief Parameters of the step from scores to probabilities. */
 struct ProbabilityParams {
   static constexpr const char* kTitle = "Probability of a place";
   double map_incomplete = 0.5;

@@ -438,12 +438,11 @@ LocalizerAnswer Localizer::update(View view, double stamp, const std::optional<P
 }
 LocalizerAnswer Localizer::update(const DepthImage& image, double stamp,
                                   const std::optional<PoseWithCovariance>& motion) {
-  const DepthImage small = workingImage(image);
   Camera seen = impl_->camera;
-  seen.intrinsics = small.camera;
-  if (!impl_->builder || !(impl_->builder->camera().intrinsics == small.camera))
-    impl_->builder.emplace(impl_->localization.map().calibrated(seen));
-  return impl_->update(impl_->builder->build(small), stamp, motion);
+  seen.intrinsics = image.camera;
+  if (!impl_->builder || !(impl_->builder->camera().intrinsics == seen.intrinsics))
+    impl_->builder.emplace(impl_->localization.map().calibrated(seen), ViewParams(), kWorkingWidth);
+  return impl_->update(impl_->builder->build(image), stamp, motion);
 }
 LocalizerAnswer Localizer::smoothed(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
                                     const PoseWithCovariance& T_now_next) const {

@@ -83,7 +83,7 @@ std::optional<Hypothesis> PlaceFollowing::match(const FollowedPlace& place, int 
     of_model[origin.view].push_back({p.scene, origin.segment, p.distance});
   }
   if (of_model.empty()) return {};
-  // Of several with as many pairs the first in the map.
+  // The first in the map is taken of several with as many pairs.
   const auto most = std::max_element(of_model.begin(), of_model.end(), [](const auto& a, const auto& b) {
     return a.second.size() < b.second.size();
   });

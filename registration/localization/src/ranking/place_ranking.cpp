@@ -113,7 +113,7 @@ Eigen::Isometry3d PlaceRanking::poseOfModel(const Hypothesis& h) const {
   return *map_->models[static_cast<std::size_t>(h.model)].T_w_m;
 }
 
-// Of two views, the one picture is little evidence beside the segments.
+// The one picture in a registration of two views is little evidence compared with the segments.
 double PlaceRanking::evidenceWeight() const {
   return map_->models.size() == 1 ? params_.calibration.pair_probability.evidence_weight : 1;
 }

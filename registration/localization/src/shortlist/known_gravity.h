@@ -16,7 +16,7 @@ class MapGravity {
 public:
   explicit MapGravity(const Map& map) : map_(map) {}
 
-  /** \brief In the frame of local model i. \param view of that model */
+  /** \brief Gravity in the frame of local model i. \param view of that model */
   std::optional<Gravity> of(int i, const View& view) const;
 
 private:

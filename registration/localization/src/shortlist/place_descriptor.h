@@ -15,8 +15,8 @@ namespace facetloc::internal {
 
 /** \brief A vertical plane of a view, seen from above.
  *
- * In the upright camera frame: z up, the optical centre above its origin on the floor, x where the camera
- * looks. An end counts only if it is certain to be an end of the surface: one at the image border is
+ * Its frame is the upright camera frame: z up, the optical centre above its origin on the floor, x where the
+ * camera looks. An end counts only if it is certain to be an end of the surface: one at the image border is
  * not. */
 struct Wall {
   float heading = 0;           ///< heading of the normal, which points away from the camera [rad], (-pi, pi]

@@ -120,7 +120,7 @@ Eigen::Isometry3d cameraPose(const PlaceAlignment& a, const PlaceDescriptor& sce
   return T_m_c;
 }
 
-/** Of the names and stamps of all models in their order, which a map knows without its views. */
+/** Checksum of all models' names and stamps in their order, which a map knows without its views. */
 std::uint32_t checksumOfNames(const Map& map) {
   boost::crc_32_type sum;
   for (const LocalModel& m : map.models) {

@@ -29,7 +29,7 @@ double reachOfSurroundings(const Map& map, int part);
 std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int model,
                                      const std::function<bool(int model)>& excluded = {});
 
-/** \brief Of each local model the score of the best wrong place; nothing where none was asked for or found.
+/** \brief Score of the best wrong place of each local model; nothing where none was asked for or found.
  */
 using AliasScores = std::vector<std::optional<double>>;
 /** \brief The whole map is asked. */

@@ -95,7 +95,7 @@ Change best(const std::vector<SurfacePair>& pairs) {
   return climbed(pairs, start);
 }
 
-/** Of the best change, by drawing the images anew. */
+/** Standard deviation of the best change, by drawing the images anew. */
 Change deviationOf(const std::vector<SurfacePair>& pairs, const Change& at) {
   constexpr int kDraws = 16;
   std::vector<std::vector<SurfacePair>> of_images;

@@ -157,8 +157,8 @@ public:
     return T;
   }
 
-  /** By the poses' left, decoupled perturbations, with the robust weights of these poses: one row for each
-   * residual, six columns for each node. */
+  /** Jacobian by the poses' left, decoupled perturbations, with the robust weights of these poses: one row
+   * for each residual, six columns for each node. */
   Eigen::SparseMatrix<double> jacobian() const {
     ceres::Problem::EvaluateOptions options;
     options.num_threads = 1;

@@ -128,14 +128,12 @@ private:
     static_cast<DepthNoise&>(camera.noise) = camera.noise.scaledTo(
         std::max(1.0, rendered.disagreement) * camera.noise.ofInverseDepth(DepthNoise::kUsualDepth),
         DepthNoise::kUsualDepth);
-    View view = ViewBuilder(camera, view_params_).build(rendered.image);
+    std::optional<Gravity> gravity = beside.gravity;
+    const Eigen::Isometry3d& T_w_m = *map_.models[driven_[place.beside]].T_w_m;
+    if (gravity) gravity->down = place.T_w_c.linear().transpose() * T_w_m.linear() * gravity->down;
+    View view = ViewBuilder(camera, view_params_).build(rendered.image, gravity);
     view.depth = roundedToNoise(view.depth);
     view.camera.reset();  // the map's
-    if (beside.gravity) {
-      const Eigen::Isometry3d& T_w_m = *map_.models[driven_[place.beside]].T_w_m;
-      view.gravity = Gravity{place.T_w_c.linear().transpose() * T_w_m.linear() * beside.gravity->down,
-                             beside.gravity->std};
-    }
     return view;
   }
 

@@ -186,7 +186,7 @@ void dropLow(std::vector<SurfaceAxis>& axes) {
   axes.erase(std::remove_if(axes.begin(), axes.end(), isLow), axes.end());
 }
 
-/** Of an axis, the direction that files mean by up. */
+/** Direction along an axis that files mean by up. */
 Eigen::Vector3d usualSign(const Eigen::Vector3d& axis) {
   for (const int k : {2, 1, 0})
     if (std::abs(axis[k]) > std::sin(kSameAxis)) return axis[k] < 0 ? Eigen::Vector3d(-axis) : axis;

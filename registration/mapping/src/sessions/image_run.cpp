@@ -28,11 +28,11 @@ std::vector<SeenMotion> motionsOf(const CameraTrajectory& trajectory) {
   return motions;
 }
 
-/** Of the images 1, 2, 4, ... after one, as long as they show the same. */
+/** Motions to the images 1, 2, 4, ... after one, as long as they show the same. */
 std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImage>& images,
                                     ViewBuilders& builders) {
   const auto viewOf = [&](std::size_t i) {
-    View view = builders.build(images[i].load());
+    View view = builders.build(images[i]);
     view.camera.reset();  // whatever is known of its mounting
     return view;
   };
@@ -73,7 +73,7 @@ private:
 
 }  // namespace
 
-View ViewBuilders::build(const DepthImage& image) {
+View ViewBuilders::build(const MapImage& image) {
   std::unique_ptr<ViewBuilder> builder;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -83,7 +83,7 @@ View ViewBuilders::build(const DepthImage& image) {
     }
   }
   if (!builder) builder = std::make_unique<ViewBuilder>(camera_, params_);
-  View view = builder->build(image);
+  View view = builder->build(image.load(), image.gravity);
   const std::lock_guard<std::mutex> lock(mutex_);
   idle_.push_back(std::move(builder));
   return view;
@@ -111,7 +111,7 @@ void ImageRun::buildViews(const std::vector<std::size_t>& numbers, Stage of_prog
     std::vector<std::string> causes(last - first);
     work.run(first, last, [&](std::size_t i) {
       try {
-        views[i - first] = builders.build(images[numbers[i]].load());
+        views[i - first] = builders.build(images[numbers[i]]);
       } catch (const std::exception& e) {
         causes[i - first] = e.what();
       }

@@ -17,7 +17,7 @@ namespace facetloc::internal {
 class ViewBuilders {
 public:
   ViewBuilders(const Camera& camera, const ViewParams& params) : camera_(camera), params_(params) {}
-  View build(const DepthImage& image);
+  View build(const MapImage& image);
 
 private:
   Camera camera_;

@@ -111,7 +111,7 @@ void MapMaking::Impl::calibrate() {
     run.camera.distortion = findings.distortion->distortion;
 }
 
-/** From each local model to the next, by their poses. */
+/** Links from each local model to the next, by their poses. */
 std::vector<Link> MapMaking::Impl::linksOfPoses(const std::vector<std::size_t>& images) const {
   const MapBuilder rule(params.places);
   std::vector<Link> links;
@@ -152,7 +152,6 @@ Map MapMaking::Impl::build(const std::vector<MapPlace>& places) {
       return;
     }
     view->camera.reset();  // the map's
-    view->gravity = run.images[i].gravity;
     map.models.push_back(LocalModel{run.images[i].name, run.images[i].stamp, pose(i), std::move(*view)});
     made.push_back(i);
   });

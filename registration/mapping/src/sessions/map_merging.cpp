@@ -44,7 +44,7 @@ CameraTrajectory someViews(const Map& map) {
   return some;
 }
 
-/** Of a map in those before it. */
+/** Alignment of a map with those before it. */
 MapAlignment alignmentOf(const std::vector<Map>& maps, std::size_t number, int threads,
                          const MapProgressCallback& progress) {
   MapAlignment alignment;

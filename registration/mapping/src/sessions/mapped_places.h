@@ -36,7 +36,7 @@ public:
   /** \brief T_w_m of each place of a part of the trajectory, given by its first keyframe; nothing for others.
    */
   std::vector<std::optional<Eigen::Isometry3d>> poses(const TrajectoryEstimation& trajectory, int part) const;
-  /** \brief From each place to those that were next on the way, and between those whose keyframes have closed
+  /** \brief Links from each place to those next on the way, and between those whose keyframes have closed
    * a loop. */
   std::vector<Link> links(const CameraTrajectory& trajectory) const;
 

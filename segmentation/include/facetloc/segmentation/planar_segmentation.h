@@ -35,7 +35,7 @@ public:
     segmenter_.reset();
   }
   const SegmentationParams& getParams() const { return params_; }
-  /** \brief By which camera the clouds are seen: a Kinect-class one unless set. Without intrinsics these are
+  /** \brief Camera of the clouds: a Kinect-class one unless set. Without intrinsics these are
    * recovered from the points; mounting and distortion do not matter here. */
   void setCamera(const Camera& camera) {
     camera_ = camera;

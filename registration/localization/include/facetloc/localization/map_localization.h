@@ -46,7 +46,10 @@ public:
   void setLocalizerParams(const LocalizerParams& params);
   /// @}
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
-  void setWorkingWidth(int width) { working_width_ = width; }
+  void setWorkingWidth(int width) {
+    working_width_ = width;
+    builder_.reset();
+  }
   /** \brief OpenMP threads; 1 unless set, 0 = all cores. */
   void setNumberOfThreads(int n);
   /** \brief Least probability of a pose that is sure; unless set, as the map was calibrated
@@ -61,7 +64,7 @@ public:
 
   /** \name Knowledge beside the cloud. */
   /// @{
-  /** \brief In sequence mode: how the camera has moved since the cloud before, or since the latest call, of
+  /** \brief Adds, in sequence mode, the camera's motion since the cloud before, or since the latest call, of
    * which several add up. One that is not finite makes the motion to the next cloud unknown.
    * \param T_before_now as an odometry measures it, of the camera; its covariance follows from
    * setOdometryError() and the mounting of the camera */

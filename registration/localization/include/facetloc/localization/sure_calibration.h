@@ -25,7 +25,7 @@ struct RightPose {
  *     for (...) calibration.add(answer.hypotheses.front().probability, isRight(answer));
  *     if (const auto threshold = calibration.threshold()) localizer.setMinProbability(*threshold);
  *
- * Of some thresholds that are fixed beforehand, the lowest is taken for which the images rule out that more
+ * The lowest of some thresholds that are fixed beforehand is taken for which the images rule out that more
  * than alpha of the sure answers are wrong. With the given confidence, that bound holds for further images of
  * the same kind, whatever the probabilities that were added are worth. Images are to be independent of each
  * other, not many of one view (independentImages()). */
@@ -77,8 +77,8 @@ private:
  * n = 0. Throws std::invalid_argument for k > n. */
 double upperLimitOfShare(std::size_t k, std::size_t n, double confidence);
 
-/** \brief Of images in the order of time those that show something new: 0.15 m or 5 deg after the one before,
- * in a sequence of their poses T_w_c. */
+/** \brief Indices of images that show something new, in the order of time: 0.15 m or 5 deg after the one
+ * before, in a sequence of their poses T_w_c. */
 std::vector<std::size_t> independentImages(const std::vector<Eigen::Isometry3d>& T_w_c);
 
 }  // namespace facetloc

@@ -59,7 +59,7 @@ public:
 
   /** \brief T_w_m of each local model; nothing outside the largest part. */
   std::vector<std::optional<Eigen::Isometry3d>> poses() const;
-  /** \brief From each local model to those that were next on the way, and between those whose keyframes have
+  /** \brief Links from each local model to those next on the way, and between those whose keyframes have
    * closed a loop. */
   std::vector<Link> links() const;
   /** \brief The map as it is now, without depth pictures. */

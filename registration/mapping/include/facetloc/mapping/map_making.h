@@ -89,7 +89,7 @@ public:
   void findDistortion();
   /** \brief Takes the distortion from elsewhere, such as a map that was begun before. */
   void setDistortion(const std::optional<DepthDistortion>& distortion);
-  /** \brief By which views of local models are built: with the distortion found so far. */
+  /** \brief Camera for building the views of local models, with the distortion found so far. */
   const Camera& camera() const;
   /** \brief Links of a map whose local models are these images, in ascending order: link ends are indices of
    * these. Throws std::invalid_argument for a number that is no image's. */

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/localization/map_localization.h>
+#include <facetloc/segmentation/impl/view_builder.hpp>
 
 #include <pcl/impl/pcl_base.hpp>
 
@@ -93,15 +94,13 @@ std::string MapLocalization<PointT>::getPart() const {
 /** False, with the reason, for a cloud that is no depth image. */
 template <typename PointT>
 bool MapLocalization<PointT>::see(std::string& why_not) {
-  const auto image =
-      depthImageOfInput(input_.get(), use_indices_ ? indices_.get() : nullptr, camera_.intrinsics, why_not);
-  if (!image) return false;
-  if (!builder_) builder_.emplace(map_->calibrated(camera_), view_params_);
-  view_ = builder_->build(workingImage(*image, working_width_));
-  return true;
+  if (!builder_) builder_.emplace(map_->calibrated(camera_), view_params_, working_width_);
+  const auto view = builder_->build(input_.get(), use_indices_ ? indices_.get() : nullptr, why_not, gravity_);
+  if (view) view_ = *view;
+  return view.has_value();
 }
 
-/** Of the header, if it has one. */
+/** Stamp of the header, if it has one; else one period after the latest. */
 template <typename PointT>
 double MapLocalization<PointT>::nextStamp() {
   constexpr double kMicrosecond = 1e-6, kPeriod = 1 / 30.0;  // [s]
@@ -165,7 +164,6 @@ bool MapLocalization<PointT>::localizeBy(const Answer& answer, PoseWithCovarianc
   }
   std::string why_not;
   const bool is_image = see(why_not);
-  view_.gravity = gravity_;
   answer_ = answer(is_image);
   if (!is_image) answer_.reason = why_not;
   if (answer_.hypotheses.empty()) return false;
