@@ -18,7 +18,7 @@ constexpr int kMaxDepthMillimetres = 20000;
 class FrameSource {
 public:
   virtual ~FrameSource() = default;
-  /** \brief Of all images. */
+  /** \brief Camera of all images. */
   const Intrinsics& camera() const { return camera_; }
   /** \brief On its robot, if that is known. */
   const std::optional<CameraMounting>& mounting() const { return mounting_; }

@@ -28,7 +28,7 @@ public:
   void trigger(int frames);
   void seek(std::size_t index);
 
-  /** \brief From now on next() waits. A sequence that had ended begins again. */
+  /** \brief Starts playback: next() waits from now on. A sequence that had ended begins again. */
   void start();
   /** \brief Ends a wait. */
   void stop();

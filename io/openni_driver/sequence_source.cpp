@@ -23,7 +23,7 @@ bool areTimes(const std::vector<FrameFile>& frames) {
   return false;
 }
 
-/** From the median time between images, so that a gap does not count. */
+/** Rate by the median time between images, so that a gap does not count. */
 int rateOf(const std::vector<FrameFile>& frames) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
@@ -33,7 +33,7 @@ int rateOf(const std::vector<FrameFile>& frames) {
                    : kUsualRate;
 }
 
-/** Of the first image that can be read. */
+/** Camera of the first image that can be read. */
 Intrinsics cameraOfImages(const DepthSequence& sequence) {
   for (std::size_t i = 0;; ++i) {
     try {

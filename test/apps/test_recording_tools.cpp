@@ -49,6 +49,14 @@ TEST_F(RecordingTools, CheckDescribesARecording) {
   EXPECT_THAT(run.out, Not(HasSubstr("note\n"))) << "there is nothing to note";
 }
 
+TEST_F(RecordingTools, CheckTakesThePosesItIsGiven) {
+  const std::string input = copyOf(map_run()), poses = folder_ / "poses.txt";
+  fs::rename(input + "/groundtruth.txt", poses);
+  const ToolRun run = check(input, {"--poses", poses});
+  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("12 images of 12 have one"));
+}
+
 TEST_F(RecordingTools, CheckFindsTheMountingByTheFloor) {
   ASSERT_EQ(runTool<SimulateApp>({"office", "-o", folder_ / "", "--seed", "2", "--runs", "query", "--frames",
                                   "60", "--width", "320"})

@@ -14,7 +14,7 @@ namespace {
 using namespace facetloc;
 using namespace facetloc::internal;
 
-void requireSound(const DepthValues& values) {
+void requireSound(const StoredDepth& values) {
   const auto n = static_cast<std::size_t>(values.width) * static_cast<std::size_t>(values.height);
   fuzz::require(n > 0 && values.metres.size() + values.numbers.size() == n, "an image is not of its size");
   for (const float z : values.metres) fuzz::require(std::isfinite(z) && z >= 0, "a depth is not finite");

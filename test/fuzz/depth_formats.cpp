@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                        : "0.pfm";
   const auto path = folder.put(name, input.substr(1));
   fuzz::accepts<IoError>([&] {
-    const DepthValues values = readDepthValues(path);
+    const StoredDepth values = readDepthValues(path);
     const auto n = static_cast<std::size_t>(values.width) * static_cast<std::size_t>(values.height);
     fuzz::require(n > 0 && values.metres.size() + values.numbers.size() == n, "an image is not of its size");
     for (const float z : values.metres) fuzz::require(std::isfinite(z) && z >= 0, "a depth is not finite");

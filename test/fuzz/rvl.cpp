@@ -9,7 +9,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace facetloc;
   fuzz::accepts<IoError>([&] {
-    const DepthValues image = internal::readRvl({data, size}, "image");
+    const StoredDepth image = internal::readRvl({data, size}, "image");
     const auto n = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     fuzz::require(n > 0 && image.numbers.size() == n, "an image is not of its size");
   });

@@ -18,7 +18,7 @@ void requireWritable(const Trajectory& poses, const fuzz::Folder& folder) {
                 "a trajectory differs from the one written");
 }
 
-/** Of images that are numbered, and of images with times. */
+/** Matches poses with images that are numbered, and with images with times. */
 void match(const internal::PoseTable& table) {
   internal::ImageTimes images;
   for (int i = 0; i < 3; ++i) images.numbers.push_back(i), images.stamps.push_back(i / 30.0);

@@ -46,7 +46,7 @@ TEST(AtomicFile, AFailedWriterLeavesTheOlderFileAndNoTemporaryOne) {
   EXPECT_EQ(folder.count(), 1);
 }
 
-/** In a folder that others write to, a link may lead to any file of the user. */
+/** A link in a folder that others write to may lead to any file of the user. */
 TEST(AtomicFile, ALinkIsReplacedAndItsTargetIsLeftAlone) {
   const TemporaryFolder folder;
   putBytes(folder / "precious", "old");

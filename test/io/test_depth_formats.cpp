@@ -76,14 +76,14 @@ std::string npy(const std::string& type, const std::string& shape, const std::st
 
 class DepthFormats : public testing::Test {
 protected:
-  DepthValues read(const std::string& name, const std::string& content) const {
+  StoredDepth read(const std::string& name, const std::string& content) const {
     return readDepthValues(putBytes(folder_ / name, content));
   }
   std::string errorOf(const std::string& name, const std::string& content) const {
     return ioErrorOf([&] { read(name, content); });
   }
   void expectNumbers(const std::string& name, const std::string& content) const {
-    const DepthValues values = read(name, content);
+    const StoredDepth values = read(name, content);
     EXPECT_EQ(values.width, kWidth) << name;
     EXPECT_EQ(values.height, kHeight) << name;
     EXPECT_EQ(values.numbers, kNumbers) << name;
@@ -113,7 +113,7 @@ TEST_F(DepthFormats, WholeNumbers) {
 TEST_F(DepthFormats, FloatingPointIsInMetres) {
   const float kNone = std::numeric_limits<float>::quiet_NaN();
   const std::vector<float> metres = {0, 1, 1.5f, kNone, 2, -1};
-  const auto expect = [](const DepthValues& values) {
+  const auto expect = [](const StoredDepth& values) {
     EXPECT_THAT(values.metres, ElementsAre(0, 1, 1.5f, 0, 2, 0));
   };
   expect(read("a.tif", tiff(metres, 3)));

@@ -70,5 +70,14 @@ TEST(DepthValues, OtherFormatsAreUnknown) {
   EXPECT_FALSE(found.impossible);
 }
 
+TEST(Optics, OfAnotherSizeOrUnitAreNamed) {
+  EXPECT_EQ(opticsFault({}), "");
+  EXPECT_EQ(opticsFault(kinectIntrinsics()), "");
+  EXPECT_EQ(opticsFault({640, 576, 252, 252, 310, 340}), "") << "120 deg";
+  EXPECT_THAT(opticsFault({160, 120, 262, 262, 159.5, 119.5}), HasSubstr("probably of images of 320x240"));
+  EXPECT_THAT(opticsFault({640, 480, 525, 525, 319.5, 20}), HasSubstr("border: is the calibration"));
+  EXPECT_THAT(opticsFault({160, 120, 0.91, 0.91, 0.5, 0.5}), HasSubstr("beyond 150 deg"));
+}
+
 }  // namespace
 }  // namespace facetloc

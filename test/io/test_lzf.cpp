@@ -14,7 +14,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/** Of few values, so that some of it repeats; the more, the less. */
+/** Random bytes of few values, so that some of them repeat; the more values, the less. */
 std::string randomBytes(std::size_t size, unsigned values, unsigned seed) {
   std::mt19937 random(seed);
   std::string bytes(size, '\0');

@@ -14,7 +14,7 @@ MessageReader readerOf(const Bytes& bytes, WireFormat format) {
   return {{bytes.data(), bytes.size()}, format};
 }
 
-// By hand after XTypes 7.4.1: numbers begin at multiples of their size, counted behind the encapsulation.
+// Handmade after XTypes 7.4.1: numbers begin at multiples of their size, counted after the encapsulation.
 TEST(MessageReader, NumbersOfCdrAreAligned) {
   const Bytes little{0, 1, 0, 0, 7, 0, 2, 1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xF0, 0x3F, 5};
   const Bytes big{0, 0, 0, 0, 7, 0, 1, 2, 9, 0, 0, 0, 0x3F, 0xF0, 0, 0, 0, 0, 0, 0, 5};

@@ -82,6 +82,16 @@ TEST_F(MessageRecordings, HaveTheirImagesAtTheTimesTheyWereTakenHoweverTheyAreSt
   }
 }
 
+TEST_F(MessageRecordings, OneStrayMessageTakesTheTimesOfNoOther) {
+  for (const char* words : {"mcap again", "mcap late", "db3 again late"}) {
+    const DepthSequence read = DepthSequence::open(recording(words));
+    expectImages(read, 0, words);
+    const bool is_again = std::string(words).find("again") != std::string::npos;
+    EXPECT_THAT(read.remark(),
+                HasSubstr(is_again ? "1 more with the time of another left out" : "1 written late"));
+  }
+}
+
 TEST_F(MessageRecordings, QuantizedDepthIsReadByItsParameters) {
   for (const char* words : {"db3 quantized", "mcap quantized rvl"}) {
     const DepthSequence read = DepthSequence::open(recording(words));
@@ -208,7 +218,9 @@ TEST_F(MessageRecordings, AFolderOfThemHasTheFilesOfItsMetadata) {
   EXPECT_EQ(DepthSequence::open(folder).frames().back().path, second);
   fs::rename(second, folder / "aside");
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }),
-              AllOf(HasSubstr("_1.db3"), HasSubstr("exist")));
+              AllOf(HasSubstr("_1.db3"), HasSubstr("ros2 bag reindex")));
+  fs::rename(folder / (folder.filename().string() + "_0.db3"), folder / "renamed.db3");
+  EXPECT_EQ(DepthSequence::open(folder).frames().front().path, folder / "renamed.db3");
   putBytes(folder / "metadata.yaml",
            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - a.db3.zstd\n");
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }), HasSubstr("zstd -d"));

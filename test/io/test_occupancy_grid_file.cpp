@@ -41,6 +41,17 @@ constexpr const char* kTwoRows = "P2\n# two rows\n3 2\n255\n0 254 205\n250 30 25
 constexpr const char* kUsual = "image: two.pgm\nresolution: 0.050000\norigin: [-1.5, 2.0, 0.25]\nnegate: 0\n"
                                "occupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
+TEST_F(OccupancyGridFiles, AnImageNamedByThePathOfAnotherMachineIsFoundInTheFolder) {
+  put("two.pgm", kTwoRows);
+  for (const std::string elsewhere : {"/home/robot/maps/", "C:\\maps\\", "../maps/"}) {
+    std::string yaml = kUsual;
+    yaml.replace(yaml.find("two.pgm"), 0, elsewhere);
+    EXPECT_EQ(read(yaml).width, 3) << elsewhere;
+  }
+  EXPECT_THAT(errorOf("image: /maps/three.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"),
+              HasSubstr("three.pgm"));
+}
+
 TEST_F(OccupancyGridFiles, AreReadAsMapServerReadsThem) {
   put("two.pgm", kTwoRows);
   const OccupancyGrid grid = read(kUsual);

@@ -99,7 +99,7 @@ TEST_F(OniFiles, AreReadInTheirStatedUnit) {
   EXPECT_TRUE(oni.mirrored());
 }
 
-/** Of each kind one: two small differences, a longer one, a number, more of the same, an odd end. */
+/** One of each kind: two small differences, a longer one, a number, more of the same, an odd end. */
 TEST_F(OniFiles, OfDifferencesAreDecoded) {
   OniWriter writer;
   writer.node(1, 2, "16zP").mode(1, 3, 3).view(1, 1, 1);

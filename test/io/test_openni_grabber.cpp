@@ -309,7 +309,7 @@ TEST_F(Grabber, SaysWhyADeviceCannotBeOpened) {
   EXPECT_THAT(cause("#999"), HasSubstr("#999"));  // those opened before are known, sorted by path
 }
 
-/** In a process of its own, since a device that has been opened by its path is known from then on. */
+/** Runs in a process of its own, as a device that has been opened by its path is known from then on. */
 TEST_F(Grabber, SaysThatNoDeviceIsConnected) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(

@@ -151,7 +151,7 @@ TEST(PoseTable, StampsInOtherUnitsAreKnownByTheirSize) {
     expectPoses(
         table([unit](int i) { return text::decimals(stampOf(i) / unit, 0) + " " + joined(columnsOf(i)); }),
         true, std::to_string(unit));
-  // Of a clock that begins with the recording, by their steps.
+  // Stamps of a clock that begins with the recording have their unit from their steps.
   const PoseTable ns = parsePoseTable(
       table([](int i) { return std::to_string(100000000 * i) + " " + joined(columnsOf(i)); }), "poses.txt");
   EXPECT_EQ(ns.unit.seconds, 1e-9);

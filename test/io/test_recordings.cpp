@@ -218,6 +218,24 @@ TEST_F(Recordings, PclsRecordersHaveTimesInTheNames) {
   expectPose(sequence, 0, poseOf(0.814212));
 }
 
+TEST_F(Recordings, DatesOfAllUsualFormsAreTimes) {
+  constexpr double kTime = 1684059213;  // 2023-05-14 10:13:33 UTC
+  for (const auto& [first, second, third] :
+       {std::tuple("2023-05-14-10-13-33", "2023-05-14-10-14-05", "2023-05-14-10-15-04"),
+        {"2023-05-14_10-13-33", "2023-05-14_10-14-05", "2023-05-14_10-15-04"},
+        {"2023.05.14 10:13:33", "2023.05.14 10:14:05", "2023.05.14 10:15:04"},
+        {"cam_20230514_101333_depth", "cam_20230514_101405_depth", "cam_20230514_101504_depth"},
+        {"20230514101333", "20230514101405", "20230514101504"}}) {
+    fs::remove_all(folder_ / "clouds");
+    fs::create_directory(folder_ / "clouds");
+    for (const char* name : {first, second, third}) putCloud(std::string("clouds/") + name + ".pcd", 1);
+    const DepthSequence sequence = DepthSequence::open(folder_ / "clouds");
+    ASSERT_TRUE(sequence.stamped()) << first;
+    EXPECT_EQ(sequence.frames().front().stamp, kTime) << first;
+    EXPECT_EQ(sequence.frames().back().stamp, kTime + 91) << first;
+  }
+}
+
 TEST_F(Recordings, NamesThatOnlyLookLikeTimesAreNone) {
   for (const char* name : {"frame_20121314T142255.814212", "frame_20121214T142255.8e5", "a_20121214T1422",
                            "20121214T142255.81421x", "frame_2012-12-14T14"}) {

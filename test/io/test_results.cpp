@@ -338,7 +338,7 @@ TEST(ResultsWriter, BeginsAnewAndIsChecked) {
   EXPECT_THAT(ioErrorOf([&] { ResultsWriter(folder / "b", ""); }), HasSubstr("cannot be created"));
 }
 
-/** Of a program that is killed while it writes, at whatever byte. */
+/** A program may be killed while it writes, at any byte. */
 TEST(ResultsWriter, GoesOnWithWhatIsWhole) {
   const TemporaryFolder folder;
   std::vector<FrameResult> frames = twoFrames();

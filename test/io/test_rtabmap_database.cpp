@@ -34,7 +34,7 @@ protected:
     EXPECT_TRUE(test::writeRecording(*sequence_, path, "rtabmap " + words, Trajectory(poses()))) << words;
     return path;
   }
-  /** Of the camera, for all images but the last. */
+  /** Poses of the camera, for all images but the last. */
   std::vector<StampedPose> poses() const {
     std::vector<StampedPose> poses;
     for (int i = 0; i < 5; ++i) {

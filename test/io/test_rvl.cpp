@@ -22,10 +22,10 @@ Bytes code(std::uint8_t width, std::uint8_t height, const Bytes& words) {
   return bytes;
 }
 
-DepthValues read(const Bytes& bytes) { return readRvl({bytes.data(), bytes.size()}, "image"); }
+StoredDepth read(const Bytes& bytes) { return readRvl({bytes.data(), bytes.size()}, "image"); }
 
-// By hand: 2 zeros, 3 others: +10 = 20 = 4 + 2*8 -> C 2; -1 -> 1; +2 -> 4; nibbles 2 3 C 2 1 4, filled up
-// with 0.
+// Encoded by hand: 2 zeros, 3 others: +10 = 20 = 4 + 2*8 -> C 2; -1 -> 1; +2 -> 4; nibbles 2 3 C 2 1 4,
+// filled up with 0.
 TEST(Rvl, RunsAndDifferencesAreThoseOfThePaper) {
   EXPECT_THAT(read(code(5, 1, {0x00, 0x14, 0xC2, 0x23})).numbers, ElementsAre(0, 0, 10, 9, 11));
   EXPECT_THAT(read(code(2, 3, {0, 0, 0, 0x60})).numbers, ElementsAre(0, 0, 0, 0, 0, 0)) << "zeros alone";

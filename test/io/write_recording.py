@@ -17,6 +17,7 @@ missing. CONTAINER is db3, mcap or rtabmap. Words, of all of which the last one 
     imu=FRAME imu_tf                 an IMU at rest in this frame, which tf has turned beside the camera
     camera_tf                        tf has the camera on the robot
     no_info other_info               no CameraInfo; one of another name with the frame of the images
+    again late                       an image is there twice; one is written after the next
     two_topics                       a second topic of depth images, with fewer
     no_graph                         rtabmap: no optimised graph
 """
@@ -202,13 +203,16 @@ def all_messages():
     kind = "sensor_msgs/msg/CompressedImage" if compressed else "sensor_msgs/msg/Image"
     messages = []
 
-    def add(stamp, topic, kind, message):
-        messages.append((round(stamp * 1e9) + LATENCY, topic, kind, message.bytes()))
+    def add(stamp, topic, kind, message, late=0):
+        messages.append((round((stamp + late) * 1e9) + LATENCY, topic, kind, message.bytes()))
 
     grey = Cdr().header(0, "rgb").put("I", 1, 1).text("mono8").put("B", 0).put("I", 1).data(b"\0")
     add(0, "/camera/color/image_raw", "sensor_msgs/msg/Image", grey)
+    stamps = [stamp for stamp, _ in images()]
     for n, (stamp, values) in enumerate(images()):
-        add(stamp, TOPIC + ("/compressedDepth" if compressed else ""), kind, image_message(stamp, values))
+        late = 1.5 * (stamps[3] - stamps[2]) if "late" in words and n == 2 else 0
+        for _ in range(2 if "again" in words and n == 1 else 1):
+            add(stamp, TOPIC + ("/compressedDepth" if compressed else ""), kind, image_message(stamp, values), late)
         if "two_topics" in words and n % 2 == 0:
             add(stamp, "/other/depth/image", kind, image_message(stamp, values))
         if "no_info" not in words:

@@ -201,6 +201,8 @@ void CheckApp::reportValues(const DepthSequence& sequence, Findings& findings) c
   if (!sequence.camera()) return;
   const ValueCheck check = checkValues(depthValues(sequence), sequence.camera()->depth_scale);
   for (const std::string& fault : check.faults) findings.doubt(fault, check.impossible);
+  const std::string of_optics = opticsFault(sequence.camera()->camera.intrinsics);
+  if (!of_optics.empty()) findings.doubt(of_optics, true);
 }
 
 void CheckApp::reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
@@ -281,9 +283,8 @@ MapMaking CheckApp::makingOf(const DepthSequence& sequence, const Camera& camera
   return making;
 }
 
-void CheckApp::reportPoses(const DepthSequence& sequence, MapMaking& making, const Console& console,
-                           Findings& findings) const {
-  const Trajectory& poses = sequence.groundTruth();
+void CheckApp::reportPoses(const DepthSequence& sequence, const Trajectory& poses, MapMaking& making,
+                           const Console& console, Findings& findings) const {
   const std::size_t all = sequence.frames().size();
   std::size_t posed = 0;
   for (std::size_t i = 0; i < all; ++i) posed += making.pose(i).has_value();
@@ -317,7 +318,7 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
   const std::size_t all = sequence.frames().size(), n = std::min(all, kMostImages);
   std::vector<ImageReport> images(n);
   Batch batch(threads(), n, console);
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, depth_.view));
+  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, depth_.view, depth_.width));
   const auto index = [&](std::size_t i) { return i * all / n; };
   batch.run([&](std::size_t i) { return sequence.frames()[index(i)].path.string(); },
             [&](std::size_t i, int worker) {
@@ -334,7 +335,7 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
               report.measured = static_cast<double>(measured) / static_cast<double>(image.depth.size());
               dropBeyond(camera.max_depth, image);
               report.noise = noiseSamples(image);
-              report.view = builders[worker].build(workingImage(image, depth_.width));
+              report.view = builders[worker].build(image);
               report.is_read = true;
             });
   const int code = batch.report();
@@ -354,7 +355,7 @@ int CheckApp::execute(const CommandLine& command, const Console& console) {
   if (poses.empty())
     line(console, "map", "facetloc_map build will find the trajectory from the images");
   else
-    reportPoses(sequence, making, console, findings);
+    reportPoses(sequence, poses, making, console, findings);
   reportFloor(images, camera, poses, console, findings);
   reportNoise(images, console, findings);
   for (std::size_t i = 0; i < findings.notes.size(); ++i)

@@ -32,8 +32,8 @@ private:
   void reportValues(const DepthSequence& sequence, Findings& findings) const;
   void reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
                       Findings& findings) const;
-  void reportPoses(const DepthSequence& sequence, MapMaking& making, const Console& console,
-                   Findings& findings) const;
+  void reportPoses(const DepthSequence& sequence, const Trajectory& poses, MapMaking& making,
+                   const Console& console, Findings& findings) const;
   void reportNoise(std::vector<ImageReport>& images, const Console& console, const Findings& findings) const;
   void reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
                    const Console& console, Findings& findings) const;

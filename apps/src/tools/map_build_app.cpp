@@ -212,6 +212,8 @@ void MapBuildApp::checkReading(const DepthSequence& sequence, MapMaking& making,
   if (sequence.camera()) {
     const ValueCheck values = checkValues(depthValues(sequence), sequence.camera()->depth_scale);
     for (const std::string& fault : values.faults) tell(fault, values.impossible);
+    const Intrinsics& optics = sequence.camera()->camera.intrinsics;
+    if (const std::string fault = opticsFault(optics); !fault.empty()) tell(fault, true);
   }
   making.checkGeometry();
   for (const ReadingFault& fault : making.findings().geometry->faults) tell(fault.words, fault.impossible);

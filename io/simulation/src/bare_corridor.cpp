@@ -16,7 +16,7 @@ constexpr double kLowest = 2.4, kHighest = 3.0;
 constexpr double kOffMiddle = 0.3;
 constexpr double kFromEnd = 1;
 
-/** From end to end, on a line that is not quite the corridor's. */
+/** Route from end to end, on a line that is not quite the corridor's. */
 Route wayThrough(Random& random) {
   const double from = random.uniform(-kOffMiddle, kOffMiddle), to = random.uniform(-kOffMiddle, kOffMiddle);
   return {{{kFromEnd, from}, 0}, {{kLength - kFromEnd, to}, 0}};

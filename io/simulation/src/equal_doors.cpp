@@ -37,7 +37,7 @@ void addThing(SceneBuilder& builder, int n_doors, Random& random) {
   builder.box(Spot{{x, side * (kHalfWidth - (kWall + kThingDepth) / 2)}}, {length, kThingDepth, height});
 }
 
-/** From end to end, on a line that is not quite the corridor's. */
+/** Route from end to end, on a line that is not quite the corridor's. */
 Route wayThrough(double length, Random& random) {
   const double from = random.uniform(-kOffMiddle, kOffMiddle), to = random.uniform(-kOffMiddle, kOffMiddle);
   return {{{kFromEnd, from}, 0}, {{length - kFromEnd, to}, 0}};

@@ -17,7 +17,7 @@ inline Material darkIf(bool dark) { return dark ? Material::dark : Material::mat
 
 inline bool chance(Random& random, double probability) { return random.uniform() < probability; }
 
-/** \brief From least to most, both included. */
+/** \brief Random number from least to most, both included. */
 inline int count(Random& random, int least, int most) {
   return least + static_cast<int>((most - least + 1) * random.uniform());
 }

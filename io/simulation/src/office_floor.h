@@ -65,13 +65,13 @@ private:
   /** A room in a frame of its own: x out of the corridor through its door, y to the left of that. */
   Spot roomFrame(int room) const;
   Eigen::Vector2d cornerOf(int k, double offset) const;
-  /** In front of a room's door, on the line that is off the middle of the corridor by so much, and inside. */
+  /** Points in front of a room's door, at this offset from the middle of the corridor, and inside. */
   Eigen::Vector2d beforeDoor(int room, double offset) const;
   Eigen::Vector2d insideRoom(int room, double depth, double aside = 0) const;
   /** Into a room, a look around, and out again. */
   void visit(Route& route, int room, double offset, double depth, double aside, double look_deg) const;
   void buildRoutes();
-  /** From the first corner around to the left, back to it, with visits to rooms. */
+  /** Drives from the first corner around to the left, back to it, with visits to rooms. */
   void drive(Route& route, double offset, const std::vector<int>& rooms, const Eigen::Vector2d& inside,
              double look_deg) const;
 

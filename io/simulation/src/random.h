@@ -13,7 +13,7 @@ class Random {
 public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
 
-  /** \brief In [0, 1). */
+  /** \brief Uniform random number in [0, 1). */
   double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
   double uniform(double lowest, double highest) { return lowest + (highest - lowest) * uniform(); }
 

@@ -138,7 +138,7 @@ std::vector<bool> patches(double share, const Intrinsics& camera, double size, R
   return inside;
 }
 
-/** Of unit variance, and independent in two images that are `frames` apart. */
+/** Random field of unit variance, independent in two frames that are `images` apart. */
 std::vector<double> slowlyChangingField(const Intrinsics& camera, std::uint64_t seed, std::uint64_t frame,
                                         double images) {
   const double at = static_cast<double>(frame) / images, before = std::floor(at);
@@ -267,7 +267,7 @@ SimulatedFrame SimulatedCamera::measured(const Seen& seen, std::uint64_t frame_i
   return frame;
 }
 
-/** Of inverse depth [1/m], at the depth z. */
+/** Standard deviation of the random error of inverse depth [1/m], at the depth z. */
 double SimulatedCamera::randomStd(double z) const {
   const double of_disparity = noise_.noise_factor * noise_.disparity_std / kKinectGain;
   return of_disparity + noise_.noise_factor * (noise_.depth_std_slope + noise_.depth_std / z) / z;

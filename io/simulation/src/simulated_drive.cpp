@@ -233,7 +233,7 @@ private:
   std::vector<Eigen::Isometry3d> poses_;
 };
 
-/** Of some places in sight the one farthest from where the robot has been. */
+/** The place farthest from where the robot has been, out of some random ones in sight. */
 std::optional<Eigen::Vector2d> nextGoal(const FloorPlan& plan, const Eigen::Vector2d& place,
                                         const std::vector<Eigen::Vector2d>& visited, Random& random) {
   std::optional<Eigen::Vector2d> best;

@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,6 +26,17 @@ namespace facetloc::files {
 /** \brief Why the last call of the C library failed. */
 inline std::string lastError() { return std::generic_category().message(errno); }
 
+/** \brief Does a clone of a repository have a few lines of Git LFS in place of the file? */
+inline bool isPointer(const std::filesystem::path& path, const std::filesystem::file_status& status) {
+  constexpr std::uintmax_t kLargest = 1024;  // bytes, by the specification
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(status) || std::filesystem::file_size(path, error) >= kLargest)
+    return false;
+  std::array<char, 27> begin{};
+  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+  return std::string_view(begin.data(), begin.size()) == "version https://git-lfs.git";
+}
+
 /** \brief Throws IoError unless path is a file that can be there to be read from its beginning to its end, or
  * a pipe. */
 inline void requireFile(const std::filesystem::path& path) {
@@ -34,6 +46,8 @@ inline void requireFile(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(status)) throw IoError(path.string(), "is a folder, not a file");
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status))
     throw IoError(path.string(), "is a device or a socket, not a file");
+  if (isPointer(path, status))
+    throw IoError(path.string(), "is a pointer of Git LFS, not the file itself: git lfs pull fetches it");
 }
 
 /** \brief Throws IoError unless any place of the file can be read at any time: a pipe will not do. */

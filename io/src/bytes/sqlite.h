@@ -52,7 +52,7 @@ public:
   sqlite3* handle() const { return db_.get(); }
   const std::string& name() const { return name_; }
   int lastCode() const { return sqlite3_extended_errcode(handle()); }
-  /** \brief In the system's words where it is the disk that fails. */
+  /** \brief Throws WriteError in the system's words, if it is the disk that fails, else IoError. */
   [[noreturn]] void fail(const std::string& doing = "database error") const {
     const int code = db_ ? lastCode() & 0xFF : SQLITE_NOMEM;
     const int system = db_ ? sqlite3_system_errno(handle()) : 0;

@@ -161,7 +161,7 @@ void PipeFrames::takeLine(const std::string& line) {
     early_lines_.push_back(line);
 }
 
-/** Of a frame whose pixels come next. */
+/** Begins a frame whose pixels come next. */
 void PipeFrames::begin(const FrameHeader& header) {
   if (!camera_) {
     camera_ = cameraOf(header);

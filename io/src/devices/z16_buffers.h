@@ -16,7 +16,7 @@ struct Z16Layout {
   int width = 0, height = 0;
   std::size_t bytes_per_row = 0;
 
-  /** \brief From the first byte of the first row to the last of the last one. */
+  /** \brief Bytes from the first of the first row to the last of the last one. */
   std::size_t bytes() const {
     return bytes_per_row * static_cast<std::size_t>(height - 1) + 2 * static_cast<std::size_t>(width);
   }

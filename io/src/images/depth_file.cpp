@@ -16,20 +16,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-DepthValues readPng(const fs::path& path) {
+StoredDepth readPng(const fs::path& path) {
   constexpr int kBits = 16;
   Raster<std::uint16_t> raster = readGreyPng(path, kBits);
   return {raster.width, raster.height, {}, std::move(raster.data)};
 }
 
-DepthValues readPacked(const fs::path& path) {
+StoredDepth readPacked(const fs::path& path) {
   Raster<std::uint16_t> raster = readPclzf(path);
   return {raster.width, raster.height, {}, std::move(raster.data)};
 }
 
 struct Format {
   const char* ending;
-  DepthValues (*read)(const fs::path& path);
+  StoredDepth (*read)(const fs::path& path);
 };
 
 constexpr Format kFormats[] = {{".png", readPng},   {".pclzf", readPacked}, {".tif", readTiff},
@@ -72,10 +72,10 @@ const std::vector<const char*>& depthFileEndings() {
 
 bool isDepthFile(const fs::path& path) { return formatOf(path) != nullptr; }
 
-DepthValues readDepthValues(const fs::path& path) {
+StoredDepth readDepthValues(const fs::path& path) {
   const Format* format = formatOf(path);
   if (!format) throw IoError(path.string(), "is no depth image, by its name");
-  DepthValues values = format->read(path);
+  StoredDepth values = format->read(path);
   toMetres(values.metres);
   return values;
 }
@@ -83,7 +83,7 @@ DepthValues readDepthValues(const fs::path& path) {
 std::optional<PngSize> depthFileSize(const fs::path& path) {
   if (internal::isPng(path)) return pngSize(path);
   try {
-    const DepthValues values = readDepthValues(path);
+    const StoredDepth values = readDepthValues(path);
     return PngSize{values.width, values.height, values.metres.empty() ? 16 : 32};
   } catch (const IoError&) {
     return {};

@@ -14,7 +14,7 @@
 namespace facetloc {
 
 /** \brief The values of a depth image, row by row. */
-struct DepthValues {
+struct StoredDepth {
   int width = 0;
   int height = 0;
   std::vector<float> metres{};           ///< values of floating-point images; or empty
@@ -33,18 +33,18 @@ std::optional<PngSize> depthFileSize(const std::filesystem::path& path);
 
 /** \brief Reads any of these. Floating-point depth is in metres, or in millimetres if most of it would be
  * beyond 100 m, and may be negative throughout. Throws IoError. */
-DepthValues readDepthValues(const std::filesystem::path& path);
+StoredDepth readDepthValues(const std::filesystem::path& path);
 
 // Formats. All throw IoError.
 
 /** \brief One image of one channel: 16 bits, or floating point of 32 or 64 bits. */
-DepthValues readTiff(const std::filesystem::path& path);
+StoredDepth readTiff(const std::filesystem::path& path);
 /** \brief NumPy's format: one array of H x W, or with a further side of 1, of u2, i2, u4, i4, f2, f4 or f8.
  */
-DepthValues readNpy(const std::filesystem::path& path);
+StoredDepth readNpy(const std::filesystem::path& path);
 /** \brief Netpbm's grey images, P5, of 16 bits. */
-DepthValues readPgm(const std::filesystem::path& path);
+StoredDepth readPgm(const std::filesystem::path& path);
 /** \brief Portable float maps of one channel, Pf, whose rows are stored from the bottom up. */
-DepthValues readPfm(const std::filesystem::path& path);
+StoredDepth readPfm(const std::filesystem::path& path);
 
 }  // namespace facetloc

@@ -128,6 +128,27 @@ DepthValues depthValues(const DepthSequence& sequence) {
   return std::move(counter).result();
 }
 
+std::string opticsFault(const Intrinsics& camera) {
+  constexpr double kMostTangent = 3.73;  // of half the field of view
+  constexpr double kBorder = 0.1;        // share of the image
+  constexpr double kTwice = 0.8;         // share of the image, about the centre of one of twice the size
+  if (!camera.valid()) return {};        // clouds have none
+  const double x = (camera.cx + 0.5) / camera.width, y = (camera.cy + 0.5) / camera.height;
+  if (camera.width > 2 * kMostTangent * camera.fx || camera.height > 2 * kMostTangent * camera.fy)
+    return fmt::format(
+        "fx = {:.4g} and fy = {:.4g} are a field of view beyond 150 deg: they are in pixels, not in "
+        "widths of the image or millimetres",
+        camera.fx, camera.fy);
+  if (std::min({x, y, 1 - x, 1 - y}) >= kBorder) return {};
+  return fmt::format(
+      "the optical axis, cx = {:.4g} and cy = {:.4g}, leaves the image of {}x{} at its border{}", camera.cx,
+      camera.cy, camera.width, camera.height,
+      x > kTwice && y > kTwice
+          ? fmt::format(": the calibration is probably of images of {}x{}; halve fx, fy, cx and cy",
+                        2 * camera.width, 2 * camera.height)
+          : ": is the calibration of these images?");
+}
+
 ValueCheck checkValues(DepthValues values, double depth_scale) {
   constexpr double kFar = 10;                      // [m]
   constexpr double kManyFar = 0.25;                // share of the pixels

@@ -100,7 +100,7 @@ std::uint16_t asNumber(T value) {
 
 }  // namespace
 
-DepthValues readNpy(const fs::path& path) {
+StoredDepth readNpy(const fs::path& path) {
   constexpr std::size_t kMagic = 6, kShort = 10, kLong = 12;
   const std::string bytes = bytesOf(path);
   if (bytes.size() < kLong || bytes.compare(0, kMagic, "\x93NUMPY") != 0)
@@ -117,7 +117,7 @@ DepthValues readNpy(const fs::path& path) {
   constexpr std::size_t kLargest = 8;
   requireBytes(path.string(), bytes.size() - begin - length, n * std::min(size, kLargest));
 
-  DepthValues values{static_cast<int>(header.width), static_cast<int>(header.height), {}, {}};
+  StoredDepth values{static_cast<int>(header.width), static_cast<int>(header.height), {}, {}};
   const auto fill = [&](auto& out, auto valueAt) {
     out.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -147,14 +147,14 @@ DepthValues readNpy(const fs::path& path) {
   return values;
 }
 
-DepthValues readPgm(const fs::path& path) {
+StoredDepth readPgm(const fs::path& path) {
   constexpr int kNarrow = 255;  // largest value of 8 bits
   netpbm::Greymap map = netpbm::parsePgm(path.string(), bytesOf(path));
   if (map.white <= kNarrow) throw IoError(path.string(), "has 8 bits per pixel, not 16");
   return {map.image.width, map.image.height, {}, std::move(map.image.data)};
 }
 
-DepthValues readPfm(const fs::path& path) {
+StoredDepth readPfm(const fs::path& path) {
   const std::string bytes = bytesOf(path), source = path.string();
   netpbm::Header header(source, bytes);
   if (header.word() != "Pf") throw IoError(path.string(), "is not a PFM file of one channel");
@@ -164,7 +164,7 @@ DepthValues readPfm(const fs::path& path) {
   const std::size_t n = std::size_t(width) * height;
   const std::string_view pixels = header.pixels();
   requireBytes(path.string(), pixels.size(), sizeof(float) * n);
-  DepthValues values{static_cast<int>(width), static_cast<int>(height), std::vector<float>(n), {}};
+  StoredDepth values{static_cast<int>(width), static_cast<int>(height), std::vector<float>(n), {}};
   for (std::size_t v = 0; v < height; ++v)
     for (std::size_t u = 0; u < width; ++u)
       values.metres[v * width + u] =

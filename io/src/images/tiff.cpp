@@ -46,7 +46,7 @@ public:
     if (!file_) fail("is no TIFF file, or a corrupt one");
   }
 
-  DepthValues read() {
+  StoredDepth read() {
     const auto width = field<std::uint32_t>(TIFFTAG_IMAGEWIDTH),
                height = field<std::uint32_t>(TIFFTAG_IMAGELENGTH);
     const auto bits = field<std::uint16_t>(TIFFTAG_BITSPERSAMPLE),
@@ -57,7 +57,7 @@ public:
       throw IoError(path_, "has several channels, not one");
     if (TIFFIsTiled(file_.get()))
       throw IoError(path_, "is made of tiles, which are not read; of strips it is: tiffcp -s IN.tif OUT.tif");
-    DepthValues values{static_cast<int>(width), static_cast<int>(height), {}, {}};
+    StoredDepth values{static_cast<int>(width), static_cast<int>(height), {}, {}};
     if (kind == SAMPLEFORMAT_IEEEFP && bits == 32)
       rows<float>(values.metres, width, height);
     else if (kind == SAMPLEFORMAT_IEEEFP && bits == 64)
@@ -99,6 +99,6 @@ private:
 
 }  // namespace
 
-DepthValues readTiff(const fs::path& path) { return TiffReader(path).read(); }
+StoredDepth readTiff(const fs::path& path) { return TiffReader(path).read(); }
 
 }  // namespace facetloc

@@ -78,7 +78,7 @@ std::pair<int, Eigen::Isometry3d> vertexOf(const std::vector<std::string_view>& 
   return {*id, *fromColumns(columns, kQuaternionTolerance)};
 }
 
-/** By index of the local model. */
+/** Poses by index of the local model. */
 std::vector<std::optional<Eigen::Isometry3d>> verticesOf(const std::filesystem::path& path,
                                                          std::size_t models) {
   std::vector<std::optional<Eigen::Isometry3d>> poses(models);

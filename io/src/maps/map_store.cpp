@@ -57,7 +57,7 @@ private:
   std::unordered_map<int, Views::iterator> places_;
 };
 
-/** Of which local models there is a depth picture. \param n number of models */
+/** Flags the local models that have a depth picture. \param n number of models */
 std::vector<bool> pictured(Connection& db, std::size_t n) {
   std::vector<bool> found(n, false);
   Statement row(db, fmt::format("SELECT model_id FROM depth_picture WHERE model_id BETWEEN 0 AND {} - 1", n));

@@ -93,7 +93,11 @@ private:
   fs::path image() const {
     const std::string name(internal::lineBehind(need("image"), text_));
     if (name.empty()) fail("'image:' names no file");
-    return source_.parent_path() / name;
+    const fs::path path = source_.parent_path() / name;
+    // map_saver writes the path on the machine that made the plan.
+    const fs::path moved = source_.parent_path() / name.substr(name.find_last_of("/\\") + 1);
+    std::error_code ignored;
+    return !fs::exists(path, ignored) && fs::is_regular_file(moved, ignored) ? moved : path;
   }
 
   std::string_view text_;
@@ -101,7 +105,7 @@ private:
   std::vector<YamlEntry> entries_;
 };
 
-Greymap readImage(const fs::path& path) {
+Greymap greymapOf(const fs::path& path) {
   if (pngSize(path)) {
     Greymap map;
     map.image = readGreyPng(path);
@@ -109,6 +113,16 @@ Greymap readImage(const fs::path& path) {
     return map;
   }
   return netpbm::parsePgm(path.string(), files::readBytes(path));
+}
+
+Greymap readImage(const fs::path& path) {
+  files::requireRegularFile(path);
+  try {
+    return greymapOf(path);
+  } catch (const IoError& e) {
+    throw IoError(path.string(),
+                  e.cause() + "; save it as grey of 8 bits: convert PLAN -colorspace gray -depth 8 plan.pgm");
+  }
 }
 
 /** As map_server has it; the probability of occupation grows with darkness. */

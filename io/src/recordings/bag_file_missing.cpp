@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// In the place of bag_file.cpp, where there is no rosbag_storage.
+// Replaces bag_file.cpp where there is no rosbag_storage.
 #include "recordings/message_file.h"
 
 #include <facetloc/io/error.h>

@@ -217,7 +217,7 @@ private:
 /** The camera of the preset, or without a preset, the default. */
 Camera usualCamera(const CameraPreset* preset) { return preset ? preset->camera() : Camera(); }
 
-/** Of values that were parsed. */
+/** Camera file of parsed values. */
 CameraFile cameraOf(const Parser& parser, const Values& v) {
   CameraFile file;
   if (parser.preset()) file.preset = parser.preset()->name;

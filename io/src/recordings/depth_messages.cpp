@@ -34,7 +34,7 @@ Value valueAt(const std::uint8_t* bytes) {
 
 float measured(float z) { return std::isfinite(z) && z > 0 ? z : 0; }
 
-DepthValues readPngValues(ByteView bytes, const std::string& name) {
+StoredDepth readPngValues(ByteView bytes, const std::string& name) {
   constexpr int kBits = 16;
   Raster<std::uint16_t> raster = readGreyPng(bytes.data, bytes.size, name, kBits);
   return {raster.width, raster.height, {}, std::move(raster.data)};
@@ -51,7 +51,7 @@ bool isDepth(const ImageMessage& image) { return pixelSize(image.encoding) > 0; 
 
 bool isDepth(const CompressedImageMessage& image) { return has(image.format, kCompressedDepth); }
 
-DepthValues readDepth(const ImageMessage& image, const std::string& name) {
+StoredDepth readDepth(const ImageMessage& image, const std::string& name) {
   constexpr std::uint32_t kLargestSide = 65535;
   const std::size_t pixel = pixelSize(image.encoding);
   if (pixel == 0) throw IoError(name, "is of the encoding " + text::quoted(image.encoding));
@@ -60,7 +60,7 @@ DepthValues readDepth(const ImageMessage& image, const std::string& name) {
   if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide ||
       image.step < width * pixel || image.data.size < std::size_t(image.step) * height)
     throw IoError(name, "is corrupt");
-  DepthValues values{static_cast<int>(width), static_cast<int>(height), {}, {}};
+  StoredDepth values{static_cast<int>(width), static_cast<int>(height), {}, {}};
   for (std::uint32_t v = 0; v < height; ++v)
     for (std::uint32_t u = 0; u < width; ++u) {
       const std::uint8_t* bytes = image.data.data + std::size_t(v) * image.step + u * pixel;
@@ -72,14 +72,14 @@ DepthValues readDepth(const ImageMessage& image, const std::string& name) {
   return values;
 }
 
-DepthValues readDepth(const CompressedImageMessage& image, const std::string& name) {
+StoredDepth readDepth(const CompressedImageMessage& image, const std::string& name) {
   if (!isDepth(image)) throw IoError(name, "is of the format " + text::quoted(image.format));
   if (isPngData(image.data)) return readPngValues(image.data, name);  // some writers leave out the head
   constexpr std::size_t kHead = 12;
   if (image.data.size <= kHead) throw IoError(name, "is corrupt: it is too short for compressedDepth");
   const float a = valueAt<float>(image.data.data + 4), b = valueAt<float>(image.data.data + 8);
   const ByteView code{image.data.data + kHead, image.data.size - kHead};
-  DepthValues values = has(image.format, "rvl") ? readRvl(code, name) : readPngValues(code, name);
+  StoredDepth values = has(image.format, "rvl") ? readRvl(code, name) : readPngValues(code, name);
   if (!has(image.format, kFloat)) return values;
   for (const std::uint16_t v : values.numbers)
     values.metres.push_back(v > 0 ? measured(a / (static_cast<float>(v) - b)) : 0.f);
@@ -87,7 +87,7 @@ DepthValues readDepth(const CompressedImageMessage& image, const std::string& na
   return values;
 }
 
-DepthImage depthImageOf(DepthValues values, double scale) {
+DepthImage depthImageOf(StoredDepth values, double scale) {
   constexpr std::uint16_t kNotMeasured = std::numeric_limits<std::uint16_t>::max();
   DepthImage image;
   image.camera.width = values.width, image.camera.height = values.height;

@@ -20,15 +20,15 @@ bool isDepth(const CompressedImageMessage& image);
 
 /** \brief The image of such a message. Throws IoError for any other, and for corrupt ones. \param name in
  * errors */
-DepthValues readDepth(const ImageMessage& image, const std::string& name);
+StoredDepth readDepth(const ImageMessage& image, const std::string& name);
 
 /** \brief The image of compressedDepth: behind 12 bytes, a number and the two parameters a and b of a
  * quantization, a PNG of 16 bits or an RVL code. Of 32FC1, a value v > 0 is the depth a / (v - b). Throws
  * IoError. \param name in errors */
-DepthValues readDepth(const CompressedImageMessage& image, const std::string& name);
+StoredDepth readDepth(const CompressedImageMessage& image, const std::string& name);
 
 /** \brief The image of values, with the size that it has and no intrinsics; numbers by the scale [1/m], 0 and
  * 65535 of which are not measured. */
-DepthImage depthImageOf(DepthValues values, double scale);
+DepthImage depthImageOf(StoredDepth values, double scale);
 
 }  // namespace facetloc::internal

@@ -141,7 +141,7 @@ namespace {
 
 /** As it is stored. */
 DepthImage depthOf(const fs::path& path, const CameraFile& file) {
-  const DepthValues values = readDepthValues(path);
+  const StoredDepth values = readDepthValues(path);
   const Intrinsics& intrinsics = file.camera.intrinsics;
   requireSize(path, values.width, values.height, intrinsics);
   if (!values.metres.empty()) return {intrinsics, values.metres};

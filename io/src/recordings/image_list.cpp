@@ -152,7 +152,7 @@ private:
            });
   }
 
-  /** Of several images the one whose folder or name says depth. */
+  /** The depth image among several: the one whose folder or name says depth. */
   const ListLine::Path& depthOf(const std::vector<ListLine::Path>& paths) const {
     if (paths.size() == 1) return paths[0];
     const auto only = [&paths](auto holds) -> const ListLine::Path* {
@@ -169,7 +169,7 @@ private:
                      paths.size() == 2 ? "two" : std::to_string(paths.size())));
   }
 
-  /** In front of the first path and its stamp, or behind the last path. */
+  /** Pose in front of the first path and its stamp, or behind the last path. */
   std::optional<Eigen::Isometry3d> poseOf(const ListLine& line) const {
     constexpr std::size_t kPose = 7;
     std::vector<double> numbers = line.paths.front().before;
@@ -190,7 +190,7 @@ private:
     return text;
   }
 
-  /** Of programs on Windows, unless a file has such a name. */
+  /** Path of an entry, whose backslashes stand for slashes unless a file has such a name. */
   fs::path pathOf(const std::string& entry) const {
     const fs::path path = list_.parent_path() / fs::path(entry);  // an absolute entry stays as it is
     std::error_code ignored;

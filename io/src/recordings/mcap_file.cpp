@@ -215,7 +215,7 @@ private:
     }
   }
 
-  /** Of messages outside of chunks, the only sum is the one over all. */
+  /** Messages outside of chunks have no checksum but the one over all data. */
   void checkData(std::uint64_t place, const Record& record) {
     std::uint32_t expected = 0;
     if (record.opcode != kDataEnd || record.size < sizeof expected || !has_unchunked_) return;

@@ -26,8 +26,8 @@ struct MessageCamera {
   std::string remark{};  ///< source of the camera, and the treatment of its lens; or nothing
 };
 
-/** \brief By the CameraInfo beside the images, or else by one of the same frame and size. RealSense's own
- * recorder also has the unit of depth. Throws IoError for corrupt messages. */
+/** \brief Camera by the CameraInfo next to the images, or else by one of the same frame and size. RealSense's
+ * own recorder also has the unit of depth. Throws IoError for corrupt messages. */
 MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& images);
 
 }  // namespace facetloc::internal

@@ -112,14 +112,20 @@ std::vector<fs::path> messageFilesOf(const fs::path& path) {
   if (!fs::is_directory(path, ignored)) return {path};
   std::vector<fs::path> listed;
   if (isRosbag2(path)) listed = listedIn(path / kMetadata);
-  for (const fs::path& file : listed) {
+  const auto exists = [&ignored](const fs::path& file) { return fs::exists(file, ignored); };
+  for (const fs::path& file : listed)
     if (!kindOf(file))
       throw IoError(file.string(),
                     "is listed in metadata.yaml and of a kind that is not read; a file that is "
                     "compressed as a whole has to be unpacked first: zstd -d");
+  if (std::none_of(listed.begin(), listed.end(), exists)) return filesIn(path);  // renamed, or without a list
+  for (const fs::path& file : listed) {
+    if (!exists(file))
+      throw IoError(file.string(), "is listed in metadata.yaml and does not exist; 'ros2 bag reindex " +
+                                       path.string() + "' lists what is there");
     files::requireRegularFile(file);
   }
-  return listed.empty() ? filesIn(path) : listed;
+  return listed;
 }
 
 }  // namespace facetloc::internal

@@ -67,6 +67,8 @@ public:
         fmt::format("{}: the depth images are those of {}", log_.path().string(), topic_.name);
     if (!others_.empty()) words += fmt::format("; --topic takes others: {}", listOf(others_));
     if (!camera_.remark.empty()) words += "; " + camera_.remark;
+    if (copies_ > 0) words += fmt::format("; {} more with the time of another left out", copies_);
+    if (stray_ > 0) words += fmt::format("; {} written late, sorted by time", stray_);
     if (const std::string faults = log_.faults(); !faults.empty()) words += "; " + faults;
     return words;
   }
@@ -132,15 +134,37 @@ private:
       written.push_back(message.entry.written);
     }
     if (!isPlain()) findSize();
-    const bool ascending =
-        std::adjacent_find(taken.begin(), taken.end(), std::greater_equal<>()) == taken.end();
-    stamps_ = ascending ? std::move(taken) : std::move(written);
+    if (!putInOrder(taken)) stamps_ = std::move(written);
   }
 
-  /** Of compressed images, only the images themselves have it. */
+  /** Sorts the images by the times in their headers, and leaves out copies. False if these are no times: more
+   * than a few images are out of their order. */
+  bool putInOrder(const std::vector<double>& taken) {
+    constexpr double kMostStray = 0.1;  // share of the images
+    std::vector<double> ascending;      // ends of the ascending subsequences of each length
+    std::map<double, LoggedMessage> of_time;
+    for (std::size_t i = 0; i < taken.size(); ++i) of_time.emplace(taken[i], messages_[i]);
+    for (const double stamp : taken) {
+      const auto end = std::upper_bound(ascending.begin(), ascending.end(), stamp);
+      end == ascending.end() ? ascending.push_back(stamp) : void(*end = stamp);
+    }
+    const double most = std::max(1.0, kMostStray * static_cast<double>(taken.size()));
+    const std::size_t stray = taken.size() - ascending.size(), copies = taken.size() - of_time.size();
+    const bool is_one_time = of_time.size() == 1 && taken.size() > 1;
+    if (is_one_time || static_cast<double>(std::max(stray, copies)) > most) return false;
+    stray_ = stray, copies_ = copies;
+    messages_.clear();
+    for (const auto& [stamp, message] : of_time) {
+      stamps_.push_back(stamp);
+      messages_.push_back(message);
+    }
+    return true;
+  }
+
+  /** Finds the size of compressed images, which only the images themselves have. */
   void findSize() try {
     log_.read<CompressedImageMessage>(messages_.front(), [&](const CompressedImageMessage& message) {
-      const DepthValues first = readDepth(message, log_.path().string());
+      const StoredDepth first = readDepth(message, log_.path().string());
       width_ = static_cast<std::uint32_t>(first.width), height_ = static_cast<std::uint32_t>(first.height);
     });
   } catch (const IoError&) {  // told to who loads it
@@ -151,6 +175,7 @@ private:
   std::vector<MessageTopic> others_;  // with depth images
   std::vector<LoggedMessage> messages_;
   std::vector<double> stamps_;
+  std::size_t stray_ = 0, copies_ = 0;    // messages out of their order, and copies
   std::string frame_;                     // frame of the images
   std::uint32_t width_ = 0, height_ = 0;  // size of the images, where the messages have it
   MessageCamera camera_;

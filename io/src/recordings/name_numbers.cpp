@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <ctime>
+#include <regex>
 #include <utility>
 
 namespace facetloc::internal {
@@ -17,25 +18,24 @@ bool isLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; 
 bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
-/** Seconds since 1970 of 20121214T142255.814212, as if its clock had shown universal time. */
-std::optional<double> secondsOfIsoTime(const std::string& s) {
-  constexpr std::size_t kLength = 15;  // digits of the whole seconds
-  if (s.size() < kLength || s[8] != 'T' || (s.size() > kLength && s[kLength] != '.')) return {};
-  for (std::size_t i = 0; i < s.size(); ++i)
-    if (i != 8 && i != kLength && !isDigit(s[i])) return {};
-  const auto number = [&s](std::size_t begin, std::size_t size) {
-    return text::to<int>(s.substr(begin, size));
-  };
-  const auto year = number(0, 4), month = number(4, 2), day = number(6, 2), hour = number(9, 2),
-             minute = number(11, 2), second = number(13, 2);
-  const auto fraction = text::to<double>("0" + s.substr(kLength) + "0");
-  if (!year || !month || !day || !hour || !minute || !second || !fraction) return {};
-  if (*month < 1 || *month > 12 || *day < 1 || *day > 31 || *hour > 23 || *minute > 59 || *second > 60)
-    return {};
+/** Seconds since 1970 of a date and time in a name, as if its clock had shown universal time:
+ * 20121214T142255.814212, 2023-05-14_10-12-33, 2023.05.14 10:12:33,25. */
+std::optional<double> secondsOfDate(const std::string& name) {
+  static const std::regex date(
+      R"((^|\D)((?:19|20)\d\d)([-_.:]?)(\d\d)\3(\d\d)[-T_ .]*(\d\d)([-_.:]?)(\d\d)\7(\d\d))"
+      R"((?:[.,](\d{1,9}))?(?![\dA-Za-z]|[.,]\d))");
+  std::smatch parts;
+  if (!std::regex_search(name, parts, date)) return {};
+  const auto number = [&parts](int k) { return std::stoi(parts[k].str()); };
   std::tm time{};
-  time.tm_year = *year - 1900, time.tm_mon = *month - 1, time.tm_mday = *day;
-  time.tm_hour = *hour, time.tm_min = *minute, time.tm_sec = *second;
-  return static_cast<double>(timegm(&time)) + *fraction;
+  time.tm_year = number(2) - 1900, time.tm_mon = number(4) - 1, time.tm_mday = number(5);
+  time.tm_hour = number(6), time.tm_min = number(8), time.tm_sec = number(9);
+  const std::tm asked = time;
+  const std::time_t seconds = timegm(&time);
+  if (time.tm_mon != asked.tm_mon || time.tm_mday != asked.tm_mday || asked.tm_hour > 23 ||
+      asked.tm_min > 59 || asked.tm_sec > 60)
+    return {};
+  return static_cast<double>(seconds) + text::to<double>("0." + parts[10].str() + "0").value_or(0);
 }
 
 /** A name as texts and numbers in turn: one text more than numbers. */
@@ -94,11 +94,9 @@ bool isPadded(const std::string& number) {
 }  // namespace
 
 std::optional<double> stampInName(const std::string& name) {
+  if (const auto seconds = secondsOfDate(name)) return seconds;
   const auto number = text::to<double>(name);
-  if (number) return std::isfinite(*number) ? number : std::nullopt;
-  for (const std::string_view word : text::split(name, '_'))  // frame_20121214T142255.814212_depth
-    if (const auto seconds = secondsOfIsoTime(std::string(word))) return seconds;
-  return {};
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 std::optional<NameNumbers> numbersInNames(const std::vector<std::string>& names) {
@@ -108,7 +106,7 @@ std::optional<NameNumbers> numbersInNames(const std::vector<std::string>& names)
     const auto stamp = stampInName(name);
     if (!stamp) break;
     found.numbers.push_back(*stamp);
-    found.decimal = found.decimal || name.find_first_of(".eET") != std::string::npos;
+    found.decimal = found.decimal || name.find_first_of(".eE") != std::string::npos || secondsOfDate(name);
     found.padded = found.padded || isPadded(name);
   }
   if (found.numbers.size() == names.size()) return found;

@@ -14,14 +14,14 @@ namespace {
 constexpr double kNanoseconds = 1e-9, kMicroseconds = 1e-6, kMilliseconds = 1e-3;
 constexpr int kNone = -1;
 
-/** Of qx qy qz qw; kNone for others. */
+/** Index in qx qy qz qw; kNone for other columns. */
 int quaternionPart(const ColumnName& name) {
   const bool is_quaternion = name.begins("q") || name.has("orient") || name.has("rot") || name.has("quat");
   const auto part = std::string_view("xyzw").find(name.last());
   return is_quaternion && part != std::string_view::npos ? static_cast<int>(part) : kNone;
 }
 
-/** Of tx ty tz; kNone for others. */
+/** Index in tx ty tz; kNone for other columns. */
 int positionPart(const ColumnName& name) {
   const bool is_position =
       name.word.size() == 1 || name.begins("t") || name.begins("p") || name.has("pos") || name.has("trans");

@@ -38,7 +38,7 @@ struct PoseHeader {
   int matrix = -1;            ///< where a matrix begins, row by row; -1: a position and a quaternion instead
   std::array<int, 7> pose{};  ///< tx ty tz qx qy qz qw
 
-  /** \brief By a line of names, such as `timestamp tx ty tz qx qy qz qw` or EuRoC's `#timestamp
+  /** \brief Columns by a line of names, such as `timestamp tx ty tz qx qy qz qw` or EuRoC's `#timestamp
    * [ns],p_x,...`. Empty if the names are not those of one position and one quaternion. */
   static std::optional<PoseHeader> of(std::string_view names);
   /** \brief tx ty tz qx qy qz qw from a column on. */

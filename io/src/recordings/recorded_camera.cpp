@@ -154,7 +154,7 @@ RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<Reco
               preset.name};
 }
 
-/** Of PCL's recorders: frame_<time>.xml beside frame_<time>_depth.pclzf. */
+/** Camera of PCL's recorders, which write frame_<time>.xml along with frame_<time>_depth.pclzf. */
 std::optional<RecordedCamera> cameraOfPclzf(const RecordingLayout& layout, const PngSize& size) {
   const fs::path& image = layout.frames.front().path;
   if (lowerExtension(image) != ".pclzf") return {};
@@ -213,7 +213,7 @@ bool isPhone(const std::vector<fs::path>& within) {
   return false;
 }
 
-/** Of the colour images of a phone, whose depth images show the same with fewer pixels. */
+/** Depth camera by the colour images of a phone: its depth images show the same with fewer pixels. */
 RecordedCamera phoneCamera(const Intrinsics& colour, const PngSize& size, const fs::path& file) {
   constexpr double kColourWidths[] = {1920, 1440, 1280, 640};
   double width = kColourWidths[0];  // the centre is near the middle
@@ -232,7 +232,7 @@ RecordedCamera phoneCamera(const Intrinsics& colour, const PngSize& size, const 
                   file.string(), width)};
 }
 
-/** Of Stray Scanner: the matrix of the colour images. */
+/** Camera of Stray Scanner, by the matrix of the colour images. */
 std::optional<RecordedCamera> cameraOfStrayScanner(const PngSize& size, const std::vector<fs::path>& within) {
   const auto file = findIn(within, "camera_matrix.csv");
   if (!file) return {};
@@ -243,7 +243,7 @@ std::optional<RecordedCamera> cameraOfStrayScanner(const PngSize& size, const st
   return phoneCamera({1, 1, m[0], m[4], m[2], m[5]}, size, *file);
 }
 
-/** Of the size of the images. */
+/** Camera of the first calibration for images of this size. */
 std::optional<RecordedCamera> calibratedCamera(const PngSize& size, const std::vector<fs::path>& calibrations,
                                                bool is_phone) {
   for (const fs::path& file : calibrations) {

@@ -88,7 +88,7 @@ private:
     return true;
   }
 
-  /** Of the frames in their order. */
+  /** Takes the numbers of the frames, in their order. */
   void takeNumbers(const NameNumbers& found) {
     layout_.numbers = found.numbers;
     layout_.unit = unitOfNumbers(found.numbers, found.decimal, found.padded);
@@ -202,7 +202,7 @@ private:
     return false;
   }
 
-  /** By their stamps, and each number with its frame. */
+  /** Sorts the frames by their stamps, and each number with its frame. */
   void sort() {
     std::vector<std::size_t> order(layout_.frames.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -233,7 +233,7 @@ private:
     if (layout_.unit.counted && layout_.kind != Kind::icl_nuim) takeTimesOfPoses();
   }
 
-  /** Of images that are only counted. */
+  /** Gives images that are only counted the times of the poses, if there is one for each. */
   void takeTimesOfPoses() {
     const fs::path& file = layout_.poses.trajectory;
     PoseTable table;
@@ -245,11 +245,8 @@ private:
     const bool as_many = table.stamped && table.rows.size() == layout_.frames.size();
     if (same_numbers || (as_many && !table.rows.empty())) {
       for (std::size_t i = 0; i < layout_.frames.size(); ++i) {
-        FrameFile& frame = layout_.frames[i];
-        if (same_numbers && text::to<double>(frame.name))
-          frame.stamp = layout_.numbers[i];
-        else
-          setStamp(frame, same_numbers ? layout_.numbers[i] : table.rows[i].stamp * table.unit.seconds);
+        const double stamp = same_numbers ? layout_.numbers[i] : table.rows[i].stamp * table.unit.seconds;
+        setStamp(layout_.frames[i], stamp);
       }
       if (same_numbers) layout_.unit = {};
       return;

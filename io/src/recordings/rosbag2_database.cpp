@@ -64,7 +64,7 @@ private:
     }
   }
 
-  /** In the order of the rows, so that those of a torn file are listed as far as they go. */
+  /** Lists messages in the order of the rows, so that a torn file is listed as far as it goes. */
   void listMessages() {
     try {
       sqlite::Statement row(db_, "SELECT rowid, topic_id, timestamp FROM messages ORDER BY rowid");

@@ -124,7 +124,7 @@ std::map<int, Eigen::Isometry3d> readRtabmapGraph(ByteView ids, ByteView poses, 
   return graph;
 }
 
-DepthValues readRtabmapDepth(ByteView bytes, const std::string& name) {
+StoredDepth readRtabmapDepth(ByteView bytes, const std::string& name) {
   constexpr char kRvl[] = "DEPTHRVL";
   constexpr std::size_t kRvlSize = sizeof kRvl - 1;
   if (bytes.size > kRvlSize && std::memcmp(bytes.data, kRvl, kRvlSize) == 0)
@@ -135,7 +135,7 @@ DepthValues readRtabmapDepth(ByteView bytes, const std::string& name) {
     return {raster.width, raster.height, {}, std::move(raster.data)};
   }
   const Raster<std::uint8_t> raster = readRgbaPng(bytes.data, bytes.size, name);
-  DepthValues image{raster.width, raster.height, {}, {}};
+  StoredDepth image{raster.width, raster.height, {}, {}};
   image.metres.resize(raster.data.size() / sizeof(float));
   for (std::size_t i = 0; i < image.metres.size(); ++i) {
     const std::uint8_t* rgba = raster.data.data() + sizeof(float) * i;

@@ -35,6 +35,6 @@ std::map<int, Eigen::Isometry3d> readRtabmapGraph(ByteView ids, ByteView poses, 
 
 /** \brief A PNG of 16 bits [mm], a PNG whose red, green, blue and alpha are the bytes of floats [m], or
  * "DEPTHRVL" and an RVL code [mm]. Throws IoError. */
-DepthValues readRtabmapDepth(ByteView bytes, const std::string& name);
+StoredDepth readRtabmapDepth(ByteView bytes, const std::string& name);
 
 }  // namespace facetloc::internal

@@ -102,7 +102,7 @@ private:
     }
   }
 
-  /** Of the last row that has one. */
+  /** Graph of the last row that has one. */
   std::map<int, Eigen::Isometry3d> readGraph() {
     sqlite::Statement has(db_, "SELECT count(*) FROM pragma_table_info('Admin') WHERE name = 'opt_poses'");
     if (!has.step() || has.integer() == 0) return {};  // older than 0.17
@@ -153,13 +153,13 @@ private:
 
   /** The calibration is of the colour images; those of depth may be smaller. */
   void scaleCamera() {
-    const DepthValues first = values(nodes_.front());
+    const StoredDepth first = values(nodes_.front());
     Intrinsics& k = intrinsics_;
     const double x = double(first.width) / k.width, y = double(first.height) / k.height;
     k = {first.width, first.height, x * k.fx, y * k.fy, x * k.cx, y * k.cy};
   }
 
-  DepthValues values(const Node& node) const {
+  StoredDepth values(const Node& node) const {
     const sqlite::Blob depth = guarded([&] {
       const std::lock_guard lock(mutex_);
       sqlite::Statement row(db_, fmt::format("SELECT depth FROM Data WHERE id = {}", node.id));

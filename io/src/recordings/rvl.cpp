@@ -63,7 +63,7 @@ private:
 
 }  // namespace
 
-DepthValues readRvl(ByteView bytes, const std::string& name) {
+StoredDepth readRvl(ByteView bytes, const std::string& name) {
   constexpr std::size_t kHead = 8;
   if (bytes.size < kHead) throw IoError(name, "is a corrupt RVL image");
   MessageReader head(bytes, WireFormat::ros1);
@@ -72,7 +72,7 @@ DepthValues readRvl(ByteView bytes, const std::string& name) {
       width * height > kMostPixels)
     throw IoError(name, fmt::format("is an RVL image that claims to be of {}x{} pixels", width, height));
   const std::size_t pixels = width * height;
-  DepthValues image{static_cast<int>(width), static_cast<int>(height), {}, {}};
+  StoredDepth image{static_cast<int>(width), static_cast<int>(height), {}, {}};
   image.numbers = Decoder({bytes.data + kHead, bytes.size - kHead}).decode(pixels);
   if (image.numbers.size() != pixels) throw IoError(name, "is a truncated or corrupt RVL image");
   return image;

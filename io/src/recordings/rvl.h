@@ -18,6 +18,6 @@ namespace facetloc::internal {
  * before. Numbers are coded in nibbles, three bits each from the lowest on, the fourth says that another one
  * follows; nibbles fill little-endian words of 32 bits from the top. Differences d are coded as 2d, or as -2d
  * - 1 if they are negative. Throws IoError for a code of another number of pixels. \param name in errors */
-DepthValues readRvl(ByteView bytes, const std::string& name);
+StoredDepth readRvl(ByteView bytes, const std::string& name);
 
 }  // namespace facetloc::internal

@@ -30,7 +30,7 @@ bool mostOf(const std::vector<double>& values, Condition holds) {
   return 2 * std::count_if(values.begin(), values.end(), holds) >= static_cast<std::ptrdiff_t>(values.size());
 }
 
-/** Of a clock whose steps are those of a camera, 33, 34, 33; not 10, 10, 20 of each tenth image. */
+/** True for a clock with the steps of a camera, 33, 34, 33; not 10, 10, 20 of each tenth image. */
 bool jitter(const std::vector<double>& steps) {
   constexpr double kShortest = 5, kLongest = 1000, kNear = 0.2;
   constexpr std::size_t kEnough = 3;

@@ -39,7 +39,7 @@ struct RecordingHints {
   std::string camera{};
   double depth_scale = 0;  ///< PNG values per metre; 0: as the recording says
   double time_offset = 0;  ///< added to the time of an image, it is the time of its pose [s]
-  /** Of a recording of messages: the topic of its images; empty = of several, the one called depth that has
+  /** Topic of the images, for a recording of messages; empty = of several, the one called depth that has
    * the most. */
   std::string topic{};
   bool segments = false;  ///< take files of segments, too

@@ -38,4 +38,9 @@ DepthValues depthValues(const DepthSequence& sequence);
  * \param depth_scale values per metre */
 ValueCheck checkValues(DepthValues values, double depth_scale);
 
+/** \brief Why no depth camera can have these intrinsics, as a sentence without full stop with the likely
+ * cause; empty if one can, and for none: the optical axis leaves the image away from its border, and the
+ * field of view is below 150 deg. */
+std::string opticsFault(const Intrinsics& camera);
+
 }  // namespace facetloc

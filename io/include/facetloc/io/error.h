@@ -26,7 +26,7 @@ public:
   WriteError(const std::string& path, const std::string& why)
       : IoError(path, "cannot be written: " + why), why_(why) {}
 
-  /** \brief In the system's words. */
+  /** \brief Cause in the system's words. */
   const std::string& why() const { return why_; }
 
 private:

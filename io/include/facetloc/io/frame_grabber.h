@@ -40,7 +40,7 @@ public:
   /** \brief 0: sources do not say it. */
   float getFramesPerSecond() const override { return 0; }
 
-  /** \brief From the first call on frames are delivered only as requested: this number more. A
+  /** \brief Requests this number of further frames; after the first call, only requested ones arrive. A
    * source that sends faster waits. */
   void trigger(int frames);
   /** \brief Has the source ended as it should, and the last callback returned? */

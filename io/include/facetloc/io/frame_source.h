@@ -21,7 +21,7 @@ struct DepthFrame {
 
   std::uint64_t number = 0;  ///< position in its stream, counted from 1
   double stamp = 0;          ///< [s], of the clock of whoever sends it
-  /** Of the image as it is stored: its size, optics, lens, scale, mounting and noise. Frames share it. */
+  /** Camera of the image as it is stored: size, optics, lens, scale, mounting and noise. Frames share it. */
   std::shared_ptr<const CameraFile> camera;
   std::optional<Gravity> gravity;     ///< if the camera has measured it
   std::vector<std::uint16_t> values;  ///< depth_scale times the depth [m]; 0 and 65535 = not measured

@@ -9,8 +9,9 @@ namespace facetloc {
 
 /** \brief Reads an occupancy grid as ROS's map_server does: a YAML file with image, resolution and origin,
  * and with negate, occupied_thresh, free_thresh and mode (trinary, scale or raw) if they differ from 0, 0.65,
- * 0.196 and trinary; the image, a PGM (P2, P5) or a greyscale PNG, is found beside it. Throws IoError for
- * files that are missing or damaged, and for values that no grid can have. */
+ * 0.196 and trinary; the image, a PGM (P2, P5) or a greyscale PNG, is where it says, or else in the
+ * folder of the YAML file under its name. Throws IoError for files that are missing or damaged, and for
+ * values that no grid can have. */
 OccupancyGrid readOccupancyGrid(const std::filesystem::path& yaml);
 
 /** \brief Writes NAME.pgm and NAME.yaml, as ROS's map_saver does; each atomically, the image first. Cells

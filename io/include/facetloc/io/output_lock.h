@@ -13,9 +13,9 @@ namespace facetloc {
  */
 class OutputLock {
 public:
-  /** \brief Of a folder that is there. Throws IoError, which says who writes to it. */
+  /** \brief Lock of a folder that is there. Throws IoError, which says who writes to it. */
   static OutputLock ofFolder(const std::filesystem::path& folder);
-  /** \brief Of a file, which is empty if it was not there. Throws IoError, which says who writes it. */
+  /** \brief Lock of a file, which is empty if it was not there. Throws IoError, which says who writes it. */
   static OutputLock ofFile(const std::filesystem::path& file);
 
   OutputLock(OutputLock&&) noexcept;

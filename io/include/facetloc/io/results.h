@@ -52,10 +52,10 @@ struct ResultColumn {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
 
-  /** \brief In the file: the name, or w_tx ... w_qw of T_w_c. */
+  /** \brief Names in the file: the name, or w_tx ... w_qw of T_w_c. */
   std::vector<std::string> names() const;
 };
-/** \brief In the order of the file. */
+/** \brief Columns in the order of the file. */
 const std::vector<ResultColumn>& resultColumns();
 
 /** \brief One line of RESULTS/timing.csv. */
