@@ -50,8 +50,7 @@ facetloc_package(library libfacetloc${soname} libs "global localization of a dep
   "${what}This package has the shared libraries, and the driver of OpenNI2 that
 plays recordings as a camera.")
 facetloc_package(vtk libfacetloc-vtk libs "global localization of a depth camera by planes - with VTK"
-  "${what}This package has the parts that need VTK: cameras by PCL and OpenNI2,
-and models in the formats STL and VTP."
+  "${what}This package has the part that needs VTK: cameras by PCL and OpenNI2."
   DEPENDS library)
 facetloc_package(dev libfacetloc-dev libdevel "global localization of a depth camera by planes - development"
   "${what}This package has headers, CMake and pkg-config files, documents and
@@ -85,7 +84,7 @@ foreach(lib features segmentation registration localization mapping io simulatio
 endforeach()
 file(CONFIGURE OUTPUT debian/shlibs CONTENT "${shlibs}")
 file(CONFIGURE OUTPUT debian/triggers CONTENT "activate-noawait ldconfig\n")
-file(CONFIGURE OUTPUT debian/vtk/shlibs CONTENT "libfacetloc_openni ${soname} libfacetloc-vtk (>= ${PROJECT_VERSION})\nlibfacetloc_vtk ${soname} libfacetloc-vtk (>= ${PROJECT_VERSION})\n")
+file(CONFIGURE OUTPUT debian/vtk/shlibs CONTENT "libfacetloc_openni ${soname} libfacetloc-vtk (>= ${PROJECT_VERSION})\n")
 set(CPACK_DEBIAN_VTK_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/vtk/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
 file(CONFIGURE OUTPUT debian/mpi/shlibs CONTENT "libfacetloc_mpi ${soname} facetloc-tools-mpi (>= ${PROJECT_VERSION})\n")
 set(CPACK_DEBIAN_TOOLS-MPI_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/mpi/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)

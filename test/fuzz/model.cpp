@@ -10,7 +10,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace facetloc;
   static const fuzz::Folder folder;
   if (size == 0) return 0;
-  // Not .vtp: VTK's reader of it leaks memory after an error.
   const char* names[] = {"a.ply", "a.obj", "a.stl", "a.pcd"};
   const auto path = folder.put(names[(data[0] - '0') % 4u], fuzz::asText(data + 1, size - 1));
   pcl::PolygonMesh mesh;

@@ -41,8 +41,8 @@ std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& c
 
 MapModelApp::MapModelApp()
     : App("facetloc_map from-model", "MODEL -o MAP.flmap [options]",
-          "Builds a map from a scan, mesh or plan of a building. MODEL is a .ply, .obj, .stl or .vtp mesh, a "
-          ".ply, .vtp or .pcd cloud, or the map.yaml of an occupancy grid, whose walls are extruded. Depth "
+          "Builds a map from a scan, mesh or plan of a building. MODEL is a .ply, .obj or .stl mesh, a "
+          ".ply or .pcd cloud, or the map.yaml of an occupancy grid, whose walls are extruded. Depth "
           "images are rendered where a camera can be, and become local models. The world of the map is the "
           "frame of the MODEL, in metres.") {}
 

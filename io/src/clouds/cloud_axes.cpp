@@ -192,7 +192,7 @@ bool fits(const Cloud& cloud, const Intrinsics& camera) {
 constexpr const char* kLensRemark = "the clouds are on the grid of an image with lens distortion: their "
                                     "points are sorted into a pinhole grid";
 
-/** Of points that are in place for a pinhole camera by a pixel, but would be much better for a lens. */
+/** Image of points that fit a pinhole camera to a pixel; sorted anew if a lens fits much better. */
 CloudImage imageOfRecovered(const Cloud& cloud, const Intrinsics& camera) {
   constexpr double kPinhole = 0.1, kMuchBetter = 0.25;  // [px]; of it
   const std::vector<Sample> samples = samplesOf(cloud);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/text.h"
 #include "bytes/files.h"
 #include "clouds/obj_file.h"
 #include "clouds/pcd_points.h"
 #include "clouds/ply_file.h"
-#include "clouds/vtk_models.h"
+#include "clouds/stl_file.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/model_file.h>
@@ -12,13 +11,10 @@
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <optional>
-#include <regex>
 #include <stdexcept>
 #include <string>
 
@@ -74,54 +70,18 @@ pcl::PCLPointCloud2 pointsOf(const pcl::PCLPointCloud2& cloud, double factor, co
   return out;
 }
 
-/** VTK makes room for as many triangles as a binary file claims to have. */
-void requireSoundStl(const fs::path& path) {
-  constexpr std::size_t kHeader = 84, kTriangle = 50, kLooked = 1 << 16;  // bytes
-  std::ifstream in(path, std::ios::binary);
-  std::string begin(kLooked, '\0');
-  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  begin.resize(static_cast<std::size_t>(in.gcount()));
-  const bool is_text =
-      begin.compare(0, 5, "solid") == 0 && std::all_of(begin.begin(), begin.end(), [](char c) {
-        return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r';
-      });
-  if (is_text) return;
-  std::uint32_t triangles = 0;
-  if (begin.size() >= kHeader) std::memcpy(&triangles, begin.data() + kHeader - 4, sizeof triangles);
-  if (begin.size() < kHeader || fs::file_size(path) < kHeader + kTriangle * triangles)
-    throw IoError(path.string(), "is neither a text nor a whole binary STL file");
-}
-
-/** VTK makes room for as many points and cells as the file claims to have. Deflated data become at most about
- * a thousand times as large. */
-void requireSoundVtp(const fs::path& path) {
-  constexpr std::size_t kMostInflated = 1032;
-  const std::string xml = files::readText(path);
-  static const std::regex count("NumberOf[A-Za-z]+ *= *[\"']([^\"']*)[\"']");
-  for (std::sregex_iterator at(xml.begin(), xml.end(), count); at != std::sregex_iterator(); ++at) {
-    const auto claimed = text::to<std::uint64_t>((*at)[1].str());
-    if (!claimed || *claimed > kMostInflated * xml.size())
-      throw IoError(path.string(), "claims to have more points or cells than its bytes can hold");
-  }
-}
-
 pcl::PolygonMesh readAny(const fs::path& path) {
-  std::string kind = path.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string kind = internal::lowerExtension(path);
   files::requireRegularFile(path);
   if (fs::file_size(path) == 0) throw IoError(path.string(), "is empty");
   if (kind == ".ply") return readPly(path);
   if (kind == ".obj") return readObj(path);
-  if (kind == ".stl") {
-    requireSoundStl(path);
-    return readByVtk(path);
-  }
-  if (kind == ".vtp") {
-    requireSoundVtp(path);
-    return readByVtk(path);
-  }
+  if (kind == ".stl") return readStl(path);
+  if (kind == ".pgm" || kind == ".png" || kind == ".bmp")
+    throw IoError(path.string(),
+                  "is an image: of a floor plan, name the .yaml with its image, resolution and origin");
   if (kind != ".pcd")
-    throw IoError(path.string(), "is no model that can be read: .ply, .obj, .stl, .vtp and .pcd can");
+    throw IoError(path.string(), "is no model that can be read: .ply, .obj, .stl and .pcd can");
   pcl::PolygonMesh cloud;
   cloud.cloud = readPcd(path, PcdHeader(path));
   return cloud;

@@ -10,8 +10,8 @@
 #include <pcl/point_types.h>
 
 #include <fmt/format.h>
-#include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -83,8 +83,7 @@ private:
 }  // namespace
 
 pcl::PolygonMesh readObj(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw IoError(path.string(), "cannot be opened: " + files::lastError());
+  std::istringstream in(files::readText(path));
   ObjReader reader(path.string());
   std::string line, whole;
   while (std::getline(in, line)) {
@@ -98,7 +97,6 @@ pcl::PolygonMesh readObj(const std::filesystem::path& path) {
     }
     reader.countLine();
   }
-  if (in.bad()) throw IoError(path.string(), "cannot be read: " + files::lastError());
   reader.take(whole);
   return reader.mesh();
 }

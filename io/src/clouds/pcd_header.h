@@ -45,7 +45,7 @@ public:
   int width() const { return static_cast<int>(width_); }
   int height() const { return static_cast<int>(height_); }
   std::size_t points() const { return points_; }
-  /** \brief In their order, packed. */
+  /** \brief Fields in their order, packed. */
   const std::vector<pcl::PCLPointField>& fields() const { return fields_; }
   /** \brief Bytes of a point. */
   std::size_t step() const { return step_; }

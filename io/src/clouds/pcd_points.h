@@ -10,7 +10,7 @@
 
 namespace facetloc {
 
-// By itself, as PCL's reader and writer are in libpcl_io, which brings VTK along.
+// Own reader and writer, as PCL's are in libpcl_io, which brings VTK along.
 
 /** \brief The points of a PCD file with a sound header, packed, whatever the locale of the program is. Throws
  * IoError. \param viewpoint receives the pose of the sensor that the header says, if not null */

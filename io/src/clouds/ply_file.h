@@ -8,7 +8,7 @@
 
 namespace facetloc {
 
-// By itself, as PCL's reader and writer are in libpcl_io, which brings VTK along.
+// Own reader and writer, as PCL's are in libpcl_io, which brings VTK along.
 
 /** \brief Reads a PLY file, of text or binary: the positions of its vertices, as doubles, and its faces, if
  * it has some. Throws IoError for a file that is not PLY, has no positions, or ends before the data that its

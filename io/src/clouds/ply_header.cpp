@@ -71,7 +71,7 @@ bool take(std::string_view line, const std::string& path, PlyHeader& header) {
   return true;
 }
 
-/** Of all elements; of a list, its length alone. */
+/** Least number of bytes of all elements; a list counts with its length alone. */
 std::uint64_t leastBytes(const PlyHeader& header) {
   std::uint64_t least = 0;
   for (const PlyElement& element : header.elements)
