@@ -76,7 +76,7 @@ while IFS=: read -r file line include; do
     private=${BASH_REMATCH[1]}
     [[ $file == */include/* ]] && complain "$file:$line" "a public header" "\"$private\""
     room=${private%%/*}
-    if [[ $private != */* || $room == base || $room == poses ]]; then continue; fi
+    if [[ $private != */* || $room =~ ^(base|poses|threads)$ ]]; then continue; fi
     [[ $file =~ /src/[^/]+/ ]] || continue  # in no room, such as a main()
     own=$module/$(sed -E 's#^.*/src/([^/]+)/.*#\1#' <<<"$file")
     has "${rooms[$own]:-}" "$room" || complain "$file:$line" "$own" "$room"

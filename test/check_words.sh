@@ -25,6 +25,8 @@ patterns=(
 # In comments of code.
 trailing='\S.*(//|///<)\s*(of|by|from|in) '                        # hangs from its line: a noun phrase stands alone
 noun='(^\s*(//|\*|/\*)|\s//).*\b[Ww]hat\b(?! to\b)(?![^.]*\?)'      # "what ..." in place of a noun: name the thing
+fragment='^\s*(//|/\*\*)\s*(\\brief )?(Of|By|From|In) '              # begins with its attribute: name the thing first
+fragment+='(?![^.;:]*, (?!(so that|that|which|whose|where|as|since|if|unless|and|or|but|for|of|by|from|in|on|with|beyond)\b)[^.;:]*\b(is|are|was|were|has|have|may|can|must|does|do|counts?|shows?)\b)'  # but for sentences
 modules=(features segmentation registration io apps test cmake README.md CHANGELOG.md CONTRIBUTING.md)
 documents=(README.md CHANGELOG.md CONTRIBUTING.md apps/*.md apps/examples/README.md {features,segmentation,registration,io}/README.md registration/*/README.md)
 files=(--include='*.h' --include='*.hpp' --include='*.cpp' --include='*.md' --include='*.py' --include='*.ini' --include='CMakeLists.txt' --exclude=test_help.cpp)
@@ -44,5 +46,5 @@ count() {
 }
 printf '%9s %5s  pattern\n' documents code
 for pattern in "${patterns[@]}"; do count "$pattern" everywhere; done
-for pattern in "$trailing" "$noun"; do count "$pattern" comments; done
+for pattern in "$trailing" "$noun" "$fragment"; do count "$pattern" comments; done
 [[ $found -eq 0 ]] || { echo "check_words: other words, please" >&2; exit 1; }

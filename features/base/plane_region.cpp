@@ -60,7 +60,7 @@ double correlatedPixels(const SensorNoise& noise, const Intrinsics& camera) {
   return 180 * kDegree * correlation * correlation;
 }
 
-// By the plane fit, METHOD 7.3.
+// Uncertainty of the plane fit, METHOD 7.3.
 Eigen::Matrix3d uncertaintyOfFit(const PlaneRegion& region, const Segment& s, double rho,
                                  const Intrinsics& camera, const SensorNoise& noise,
                                  const SegmentEstimationParams& params) {

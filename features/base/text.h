@@ -89,10 +89,10 @@ inline std::string csvCell(const std::string& s) {
   return out + "\"";
 }
 
-/** \brief In quotes, for messages. */
+/** \brief Text in quotes, for messages. */
 inline std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
-/** \brief In small letters, those of ASCII. */
+/** \brief Text in lower case, as far as its letters are ASCII. */
 inline std::string lower(std::string s) {
   for (char& c : s)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

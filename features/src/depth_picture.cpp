@@ -12,7 +12,7 @@ namespace facetloc {
 using namespace internal;
 namespace {
 
-// Of three values the smallest known one, in steps from 1 so that 0 = unknown comes last; or the largest.
+// The smaller known value, in steps from 1 so that 0 = unknown comes last; or the larger one.
 struct Smallest {
   static std::uint16_t of(std::uint16_t a, std::uint16_t b) {
     return static_cast<std::uint16_t>(std::min<std::uint16_t>(a - 1, b - 1) + 1);
@@ -100,7 +100,7 @@ DepthPicture DepthPicture::fromStored(const Intrinsics& camera, std::vector<std:
 }
 
 void DepthPicture::deriveExtremes() {
-  // In memory that stays: a running camera needs no new one for its views.
+  // Memory that stays: a running camera needs no new one for its views.
   static thread_local std::vector<std::uint16_t> lowest, highest;
   lowest.resize(inverse_depth.size()), highest.resize(inverse_depth.size());
   smallestOf3x3(inverse_depth.data(), camera.width, camera.height, lowest.data());

@@ -75,7 +75,7 @@ private:
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next_;
 };
 
-/** Of the first model of a part: up is up, if that is known. */
+/** Pose of the first model of a part: up is up, if that is known. */
 Eigen::Isometry3d firstPose(const Map& map) {
   return map.camera.mounting ? map.camera.mounting->T_b_c() : Eigen::Isometry3d::Identity();
 }

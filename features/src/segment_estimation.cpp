@@ -145,7 +145,7 @@ FACETLOC_MULTIVERSION void sumSupport(const float* d, const float* end, const fl
   depths.zzuu += zzuu, depths.zzuv += row * zzu, depths.zzvv += row * row * zz;
 }
 
-// Of n points z b, where b = ((u - c_x) / f_x, (v - c_y) / f_y, 1).
+// Moments of n points z b, where b = ((u - c_x) / f_x, (v - c_y) / f_y, 1).
 PointMoments pointMoments(double n, const DepthSums& sums, const Intrinsics& c) {
   const double z = total(sums.z), zu = total(sums.zu), zv = total(sums.zv);
   const double zz = total(sums.zz), zzu = total(sums.zzu), zzv = total(sums.zzv);

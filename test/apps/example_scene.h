@@ -75,7 +75,7 @@ private:
     world_.push_back(s);
   }
 
-  /** In the frame of a camera, its normal away from it. */
+  /** Segment in the frame of a camera, its normal away from it. */
   static Segment inView(const Segment& segment, const Eigen::Isometry3d& T_w_c) {
     Segment s = transformed(segment, T_w_c.inverse());
     if (s.offset() > 0) return s;

@@ -242,7 +242,7 @@ TEST(LiveApp, HelpListsTheKeys) {
     EXPECT_THAT(run.out, HasSubstr(key));
 }
 
-/** Of real sensors; they lie beside the checkout, or where the environment says. */
+/** Recordings of real sensors lie next to the checkout, or where the environment says. */
 TEST(LiveApp, PlaysRealRecordings) {
   const fs::path folder = test::dataFolder("oni");
   if (!fs::is_directory(folder)) GTEST_SKIP() << folder << " is not there";

@@ -224,7 +224,7 @@ TEST_F(LiveTool, TakesTheCameraOfAMap) {
   EXPECT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(run.err, HasSubstr("assumed to be millimetres"));
   EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
-  // Of a device, whose own camera it replaces.
+  // The map's camera also replaces the one of a device.
   const std::vector<std::string> of_device = {"--device", sequence(),   "--camera",     map(), "--map",
                                               map(),      "--headless", "--max-frames", "3"};
   const ToolRun device = runLive(of_device);

@@ -34,7 +34,7 @@ using test::TemporaryFolder;
 using testing::HasSubstr;
 using testing::Not;
 
-/** Of each parameter that there is, by the title of its group and its name: is it for users? A group that
+/** Flag of each parameter, by the title of its group and its name: is it for users? A group that
  * several structs have counts once. */
 using Parameters = std::map<std::string, bool>;
 

@@ -52,7 +52,7 @@ Eigen::Isometry3d poseIn(const Json::Value& pose) {
   return T;
 }
 
-/** Of the keys and the kinds of values. */
+/** Compares the keys and the kinds of values with the schema. */
 void expectBySchema(const Json::Value& answer) {
   static const Json::Value schema = parsed(contentOf(kStreamSchema));
   std::set<std::string> wanted;

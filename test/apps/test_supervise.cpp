@@ -39,7 +39,7 @@ std::vector<std::string> linesWith(const std::string& text, const std::string& b
   return lines;
 }
 
-/** From the last start of facetloc_live on. */
+/** Commands since the last start of facetloc_live. */
 std::vector<Command> commandsOf(const std::string& out) {
   std::istringstream in(out);
   std::vector<Command> commands;

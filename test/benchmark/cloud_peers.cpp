@@ -142,7 +142,7 @@ CloudAnswer byGicp(const Cloud::ConstPtr& source, const Cloud::ConstPtr& target,
   return run(gicp, a, b, Eigen::Matrix4f::Identity(), kInlierDistance * params.voxel);
 }
 
-// By the tutorial "How to use Normal Distributions Transform".
+// Follows the tutorial "How to use Normal Distributions Transform".
 CloudAnswer byNdt(const Cloud::ConstPtr& source, const Cloud::ConstPtr& target, const PeerParams& params) {
   const Cloud::Ptr a = thinned(*source, params.ndt_voxel, params.max_depth),
                    b = thinned(*target, params.voxel / 2, params.max_depth);

@@ -247,7 +247,7 @@ private:
     return {found.hypotheses.front().T_m_c, found.state() == AnswerState::sure};
   }
 
-  /** From each image to the one `gap` later; sure if the views have seen the motion. */
+  /** Motions from each image to the one `gap` later; sure if the views have seen the motion. */
   Tally motions(const PosedRun& run, std::size_t gap) const {
     Tally tally{"", "motion", std::to_string(gap)};
     internal::CameraMotion motion(localizer_.odometry);

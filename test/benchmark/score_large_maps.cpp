@@ -78,7 +78,7 @@ struct Question {
   std::vector<int> shown_by;  // local models that give the right pose
 };
 
-// Of the processor, so that who else uses it does not matter. [s]
+// Processor time, so that other load does not matter [s].
 double seconds(std::clock_t since) { return static_cast<double>(std::clock() - since) / CLOCKS_PER_SEC; }
 
 bool isRight(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& truth) {

@@ -149,7 +149,7 @@ struct Reliability {
       weight[bin] += w, probability[bin] += w * answer.probability(), right[bin] += w * answer.right;
     }
   }
-  /** Of tenths that hold a hundredth of the answers or more. */
+  /** Largest deviation over the tenths that hold a hundredth of the answers or more. */
   double largestDeviation() const {
     double largest = 0;
     for (std::size_t i = 0; i < weight.size(); ++i)

@@ -120,7 +120,7 @@ Matrix6d randomCovariance(Rng& rng, double scale) {
   return scale * scale * (A * A.transpose() / 6 + 0.1 * Matrix6d::Identity());
 }
 
-/** Of samples d = perturbation(T, of a sample) against a covariance. */
+/** Compares samples d = perturbation(T, of a sample) with a covariance. */
 template <class Sample>
 void expectCovariance(const Matrix6d& P, const Sample& sample) {
   constexpr int kSamples = 40000;

@@ -20,7 +20,7 @@ Gravity gravityAt(const Eigen::Isometry3d& T_w_c, double std = kDegree) {
   return {T_w_c.linear().transpose() * kDown, std};
 }
 
-/** In the large room, looking outwards and down. */
+/** Pose in the large room, looking outwards and down. */
 Eigen::Isometry3d poseAt(double degrees, double radius, double slope = -0.4) {
   const double a = degrees * kDegree;
   return test::lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},

@@ -89,7 +89,7 @@ protected:
   struct Count {
     int sure = 0, wrong = 0;
   };
-  /** Of answers that are sure; wrong by where they are beside their local model. */
+  /** Counts sure answers; wrong by where they are relative to their local model. */
   static Count countSure(const std::shared_ptr<const Map>& in) {
     const GlobalLocalization localization(in);
     Count count;

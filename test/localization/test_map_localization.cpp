@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-/** In the large room, looking outwards and down. */
+/** Pose in the large room, looking outwards and down. */
 Eigen::Isometry3d poseAt(double degrees, double radius) {
   const double a = degrees * kDegree;
   return test::lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},

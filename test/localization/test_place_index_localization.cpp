@@ -83,7 +83,7 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
       });
     };
     EXPECT_TRUE(isAsLikely(brief, 1e-9, 1e-6)) << i;
-    // From where the alignments lead to, the place is the same, perhaps by another model.
+    // Started where the alignments lead to, it finds the same place, perhaps by another model.
     EXPECT_TRUE(isAsLikely(from_starts.localize(view), 0.02, 0.3)) << i;
   }
   EXPECT_GE(compared, 4);

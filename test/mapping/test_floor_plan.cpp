@@ -107,7 +107,7 @@ TEST(FloorPlan, StandsInTheWorldOfTheGrid) {
   const MeshSurface surface(extrude(grid, params));
   EXPECT_NEAR(surface.bounds().min().z(), 0, 1e-6);
   EXPECT_NEAR(surface.bounds().max().z(), 2.2, 1e-6);
-  // From a metre before the middle of the wall's face, 1.2 m above the floor, level, towards the wall.
+  // View from a metre before the middle of the wall's face, 1.2 m above the floor, level, towards the wall.
   const Eigen::Isometry2d T_w_grid = grid.T_w_grid();
   const Vector2d eye = T_w_grid * Vector2d(2, 1.9);
   Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();

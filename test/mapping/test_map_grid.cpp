@@ -61,7 +61,7 @@ Map roundLook(bool mounting_is_known) {
 
 enum class Truth { wall, inside, outside };
 
-/** By the plan of the room alone; near a wall it may be either. */
+/** Truth by the plan of the room alone; near a wall it may be either. */
 Truth truthAt(const Eigen::Vector2d& p) {
   constexpr double kNear = 0.08;
   const auto distanceTo = [&p](const Eigen::AlignedBox2d& box) {

@@ -79,7 +79,7 @@ TEST(MeshSurface, LeavesOutInvalidTriangles) {
 TEST(MeshSurface, RefusesMeshesWithoutSurface) {
   EXPECT_THROW(MeshSurface{pcl::PolygonMesh()}, std::invalid_argument);
   EXPECT_THROW(MeshSurface(meshOf({{0, 0, 1}, {1, 0, 1}, {2, 0, 1}}, {{0, 1, 2}})), std::invalid_argument);
-  // In the coordinates of a country.
+  // Coordinates of a country.
   EXPECT_THROW(
       MeshSurface(meshOf({{5e5f, 5e6f, 1}, {5e5f + 10, 5e6f, 1}, {5e5f, 5e6f + 10, 1}}, {{0, 1, 2}})),
       std::invalid_argument);

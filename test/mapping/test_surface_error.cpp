@@ -44,7 +44,7 @@ Eigen::Isometry3d cameraAt(double x, double y) {
   return T_w_b * CameraMounting{1.3, 15}.T_b_c();
 }
 
-/** In how many of 30 scans, each wrong in its own way, is the true pose within the 95 % ellipsoid? */
+/** Number of scans out of 30, each wrong in its own way, with the true pose within the 95 % ellipsoid. */
 int inside(double surface_std) {
   std::mt19937 random(11);
   std::normal_distribution<float> of_wall(0, kStd);

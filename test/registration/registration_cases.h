@@ -23,7 +23,7 @@ inline DepthImage imageFrom(const Eigen::Isometry3d& T_w_c, unsigned seed) {
 
 struct EkfCase {
   using Point = SegmentFrame;
-  /** Of a few bare planes, which fit by chance more often than nine times out of ten would allow. */
+  /** A few bare planes fit by chance more often than nine times out of ten would allow. */
   static pcl::Registration<Point, Point>::Ptr make() {
     const auto registration = pcl::make_shared<EkfRegistration>();
     registration->setMinProbability(0.8);

@@ -105,7 +105,7 @@ TEST_F(DenseRefinement, AStepIsThatOfAllPixelsOneByOne) {
   const double error = params.pixel_error * kNoise, of_pixel = 1 / (error * error * params.correlated_pixels);
   std::mt19937 rng(6);
   std::normal_distribution<double> normal;
-  // In single precision a pixel on the border of the compared area may fall to the other side: one of a
+  // A pixel on the border of the compared area may fall to the other side in single precision: one of a
   // thousand.
   int exact = 0;
   for (int trial = 0; trial < 10; ++trial) {

@@ -475,9 +475,9 @@ std::vector<double> spreadOverOrders(double prior_scale) {
 }
 
 TEST(EkfPoseUpdate, OrderOfThreePairsHardlyMatters) {
-  // From a pose that is known to about a degree: a tenth of a standard deviation.
+  // The spread is a tenth of a standard deviation from a start that is known to about a degree.
   EXPECT_LT(spreadOverOrders(0.05)[190], 0.1);
-  // From 20 deg and 1 m a sequence of Gaussians is not one posterior any more; joint refinement exists for
+  // Gaussians in sequence are not one posterior any more from 20 deg and 1 m; joint refinement exists for
   // that.
   EXPECT_LT(spreadOverOrders(1)[100], 0.5);  // median observed: 0.25
 }

@@ -83,7 +83,7 @@ TEST(PlaneMeasurement, DisturbancesThatExplainThePlanesLeaveNoResidual) {
     const TruePair pair(rng);
     const Eigen::Vector3d q = 0.2 * smallDisturbance(rng), qp = 0.2 * smallDisturbance(rng);
     const Segment scene = disturbed(pair.scene, q), model = disturbed(pair.model, qp);
-    // In the disturbed frames the true plane has the disturbances q and q'.
+    // The true plane has the disturbances q and q' in the disturbed frames.
     EXPECT_LT(planeResidual(scene, model, pair.T_m_c, q, qp).norm(), 1e-12);
   }
 }

@@ -49,7 +49,7 @@ Eigen::Isometry3d standing(const Eigen::Vector3d& position, double yaw) {
   return T;
 }
 
-/** In disparity units. */
+/** Errors in disparity units. */
 std::vector<double> disparityErrors(const SimulatedFrame& frame, double true_depth) {
   std::vector<double> errors;
   for (const float z : frame.depth.depth)

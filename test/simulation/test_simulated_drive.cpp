@@ -40,7 +40,7 @@ TEST_P(SimulatedDrive, AnUnevenFloorTiltsTheCamera) {
     const double pitch = std::asin(-T_w_c.linear().col(2).z()) / kDegree - params.camera_tilt_deg;
     squares += pitch * pitch;
   }
-  // Of a base on three points of independent height: Var(w_y) = 3 sigma_f^2 / (2 b^2)
+  // The tilt of a base on three points of independent height: Var(w_y) = 3 sigma_f^2 / (2 b^2)
   const double expected = params.robot.floor_std * std::sqrt(1.5) / params.robot.caster_distance / kDegree;
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(poses.size())), expected, 0.15 * expected);
 }

@@ -184,7 +184,7 @@ const CommandLine::Option* CommandLine::find(std::string name) const {
   return found == options_.end() ? nullptr : &found->second;
 }
 
-/** Of all options. */
+/** Names of all options. */
 std::vector<std::string> CommandLine::names() const {
   std::vector<std::string> names;
   for (const auto& [key, option] : options_)

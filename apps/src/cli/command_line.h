@@ -83,7 +83,7 @@ public:
   void addCheck(const std::function<void()>& check) { checks_.push_back(check); }
 
   /** \brief Reads the arguments (without the program's name) and the file of --params; the command line wins.
-   * Of a preset, they both win. \return false if --help, --help-all or --version was asked for and printed.
+   * Both win over a preset. \return false if --help, --help-all or --version was asked for and printed.
    * Throws UsageError. */
   bool parse(const std::vector<std::string>& arguments, std::ostream& out);
 

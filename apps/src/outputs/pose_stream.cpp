@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kNothing = "null";
 constexpr int kStampDigits = 6;
 
-/** In quotes; of names and reasons, which may hold anything. */
+/** JSON string of a name or a reason, which may hold anything. */
 std::string quotedJson(const std::string& s) {
   std::string out = "\"";
   for (const char c : s) {

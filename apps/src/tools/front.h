@@ -14,7 +14,7 @@ struct FrontCommand {
   std::string name;
   std::string what;
 };
-/** \brief In the order in which a newcomer needs them. All but `try` are programs of their own,
+/** \brief Commands in the order in which a newcomer needs them. All but `try` are programs of their own,
  * facetloc_NAME. */
 const std::vector<FrontCommand>& frontCommands();
 

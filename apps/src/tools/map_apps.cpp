@@ -106,7 +106,7 @@ std::string placedByLinks(const Map& map) {
   return models == 0 ? "" : fmt::format("{}, in {}", models, counted(parts, "part"));
 }
 
-/** Of a map that is not all in one world. */
+/** Adds the parts of a map that is not all in one world. */
 void addParts(TextTable& table, const Map& map) {
   constexpr std::size_t kMost = 10;  // that are listed
   if (map.parts.size() < 2) return;
@@ -197,7 +197,7 @@ PointColour colourOf(const Eigen::Vector3d& normal) {
   return {channel(0), channel(1), channel(2)};
 }
 
-/** Of all local models of the part to show, in its frame. */
+/** Polygons of all local models of the part to show, in its frame. */
 std::vector<ColouredPolygon> polygonsOf(const Map& map, const std::string& path) {
   const int part = mainPart(map);
   std::vector<ColouredPolygon> polygons;

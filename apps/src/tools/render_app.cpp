@@ -145,8 +145,8 @@ std::vector<Eigen::Isometry3d> posesIn(const fs::path& path) {
   return T_w_c;
 }
 
-/** Of files between commas, each named as its file and in a colour of its own, which one without a name
- * leaves out. */
+/** Marks of files between commas, each named as its file and in a colour of its own; an empty name
+ * leaves its colour out. */
 std::vector<DrawnMarks> marksIn(const std::string& files) {
   constexpr Colour kColours[] = {{0, 130, 60}, {130, 60, 170}, kRed};
   std::vector<DrawnMarks> marks;

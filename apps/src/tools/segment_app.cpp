@@ -27,11 +27,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** Of the files that an image may have results in, beside kSegmentEnding. */
+/** Endings of the files of results that an image may have, in addition to kSegmentEnding. */
 constexpr const char *kLabels = ".png", *kOverlay = "_overlay.png", *kCloud = "_cloud.pcd",
                      *kPolygons = ".ply";
 
-/** Of the segments of a view, the colours of their pictures. */
+/** Colours of a view's segments in their pictures. */
 std::vector<PointColour> coloursOf(const View& view) {
   std::vector<PointColour> colours;
   for (std::size_t k = 0; k < view.segments.size(); ++k) {

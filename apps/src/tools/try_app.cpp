@@ -45,7 +45,7 @@ bool isWithin(const fs::path& folder, const fs::path& parent) {
   return !from.empty() && *from.begin() != "..";
 }
 
-/** In the working folder, unless that is the recording: beside it then. */
+/** Report in the working folder, unless that is in the recording: then next to the recording. */
 std::string reportOf(const std::string& recording) {
   const std::string name = titleOf(recording) + ".try";
   const bool among_images = fs::is_directory(recording) && isWithin(fs::current_path(), folderOf(recording));
@@ -61,7 +61,7 @@ void requireOutside(const fs::path& report, const std::string& recording) {
         "the report would come among the files of the recording {}; -o names another folder", recording));
 }
 
-/** In the browser of the desktop, beside this program. */
+/** Opens a page in the browser of the desktop, in a process of its own. */
 void openInBrowser(const std::string& page, const Console& console) {
   const pid_t child = fork();
   if (child == 0) {

@@ -32,11 +32,11 @@ struct DepthPicture {
   DepthNoise noise;                          ///< random error of its depths
 
   bool empty() const { return inverse_depth.empty(); }
-  /** \brief Of a depth image at working resolution; empty for an empty image. */
+  /** \brief Picture of a depth image at working resolution; empty for an empty image. */
   static DepthPicture fromDepth(const DepthImage& image);
   /** \brief The same, in the memory that this picture has. */
   void assign(const DepthImage& image);
-  /** \brief From stored values; extremes are derived. Throws std::invalid_argument if the size is
+  /** \brief Picture from stored values; extremes are derived. Throws std::invalid_argument if the size is
    * wrong. */
   static DepthPicture fromStored(const Intrinsics& camera, std::vector<std::uint16_t> inverse_depth);
 

@@ -35,7 +35,7 @@ struct PartCount {
   std::size_t models = 0;
   std::size_t by_links = 0;
 };
-/** \brief By index of the part. */
+/** \brief Counts by index of the part. */
 std::vector<PartCount> partCounts(const Map& map);
 
 /** \brief The part to show where only one can be shown: the world, or else the first of those with most local

@@ -11,7 +11,7 @@ namespace facetloc {
  * of others (mapping's densify()), one a line. Names that no local model has mean nothing. */
 constexpr const char* kRenderedKey = "rendered views";
 
-/** \brief Of each local model: was it rendered? Such a view shows nothing that others have not shown. */
+/** \brief Flags the local models that were rendered: these views show nothing that others have not shown. */
 std::vector<char> renderedViews(const Map& map);
 
 }  // namespace facetloc

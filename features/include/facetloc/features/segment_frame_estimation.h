@@ -48,7 +48,7 @@ public:
   void setLabels(const pcl::PointCloud<pcl::Label>::ConstPtr& labels) { labels_ = labels; }
   void setParams(const SegmentEstimationParams& params) { params_ = checked(params); }
   const SegmentEstimationParams& getParams() const { return params_; }
-  /** \brief By which camera the cloud was seen: a Kinect-class one unless set. Without intrinsics these are
+  /** \brief Camera of the cloud: a Kinect-class one unless set. Without intrinsics these are
    * recovered from the points. Organized clouds that are noisier than its noise, or whose noise is smooth,
    * are measured to be so; for others it should be as in these very points. */
   void setCamera(const Camera& camera) { camera_ = camera; }

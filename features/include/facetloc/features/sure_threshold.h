@@ -33,7 +33,7 @@ std::string toText(const SureThreshold& threshold);
 /** \brief The threshold in the meta data of a map; nothing if it was not calibrated. Throws
  * std::invalid_argument for one that is malformed or impossible. */
 std::optional<SureThreshold> sureThresholdOf(const Map& map);
-/** \brief From which probability on an answer in a map is sure unless the user says otherwise: by its
+/** \brief Least probability of a sure answer in a map, unless the user says otherwise: from its
  * SureThreshold, else kMinProbability. Throws as sureThresholdOf(). */
 double minProbabilityOf(const Map& map);
 
