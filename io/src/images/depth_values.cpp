@@ -129,7 +129,7 @@ DepthValues depthValues(const DepthSequence& sequence) {
 }
 
 std::string opticsFault(const Intrinsics& camera) {
-  constexpr double kMostTangent = 3.73;  // of half the field of view
+  constexpr double kMostTangent = 3.73;  // tangent of half the field of view
   constexpr double kBorder = 0.1;        // share of the image
   constexpr double kTwice = 0.8;         // share of the image, about the centre of one of twice the size
   if (!camera.valid()) return {};        // clouds have none
