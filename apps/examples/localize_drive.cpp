@@ -6,7 +6,7 @@
 //
 // The clouds are organized, in the order in which they were taken, here at 10 Hz.
 #include <facetloc/io/map_database.h>
-#include <facetloc/localization/localizer.h>
+#include <facetloc/localization/map_localization.h>
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
@@ -21,12 +21,18 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const auto map = std::make_shared<const facetloc::Map>(facetloc::openMap(argv[1]));
-  facetloc::Localizer sequence(map);
-  sequence.setCamera(map->camera);  // the clouds are from the camera that has made the map
+  facetloc::MapLocalization<pcl::PointXYZ> drive;
+  drive.setMap(map);
+  drive.setCamera(map->camera);  // the clouds are from the camera that has made the map
+  drive.setSequenceMode(true);
   for (int i = 2; i < argc; ++i) {
-    pcl::PointCloud<pcl::PointXYZ> cloud;
-    if (pcl::io::loadPCDFile(argv[i], cloud) < 0) return 1;
-    const facetloc::LocalizerAnswer answer = sequence.update(cloud, 0.1 * i);
+    const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+    if (pcl::io::loadPCDFile(argv[i], *cloud) < 0) return 1;
+    cloud->header.stamp = 100000u * static_cast<unsigned>(i);  // microseconds
+    drive.setInputCloud(cloud);
+    facetloc::PoseWithCovariance pose;
+    drive.localize(pose);
+    const facetloc::Localization& answer = drive.getAnswer();
     std::cout << argv[i] << ": " << toString(answer.state);
     if (answer.hypotheses.empty())
       std::cout << ", " << answer.reason << "\n";

@@ -31,7 +31,7 @@ LiveResult exampleResult(TrackingState state) {
   result.number = 7;
   result.stamp = 12.5;
   result.image = ExampleScene().see("12.500000", kPose);
-  LocalizerAnswer answer;
+  Localization answer;
   answer.tracking = state;
   if (state == TrackingState::localized || state == TrackingState::tracking) answer.state = AnswerState::sure;
   if (state == TrackingState::degenerate) answer.reason = "nothing in view fixes translation along x";

@@ -19,7 +19,7 @@ LiveResult trackedResult(TrackingState state, const std::string& reason) {
   LiveResult result;
   result.received = 12;
   result.dropped = 3;
-  LocalizerAnswer& answer = result.answer.emplace();
+  Localization& answer = result.answer.emplace();
   answer.tracking = state;
   if (state == TrackingState::tracking) answer.state = AnswerState::sure;
   answer.reason = reason;

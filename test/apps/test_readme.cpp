@@ -8,7 +8,6 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/mapping/map_making.h>

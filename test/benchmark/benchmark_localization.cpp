@@ -2,8 +2,8 @@
 //
 // Speed of localization on one thread: one view against maps of cluttered rooms.
 #include "cluttered_room.h"
+#include "ranking/global_localization.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/view_builder.h>
 
@@ -62,7 +62,7 @@ void localization(benchmark::State& state) {
   if (!dense) params.calibration.score.free_space_weight = 0;
   params.shortlist.size = state.range(2) != 0 ? params.shortlist.size : 0;
   params.shortlist.exhaustive_up_to = 0;
-  const GlobalLocalization localizer(map, params);
+  const internal::GlobalLocalization localizer(map, params);
   std::vector<View> scenes;
   for (int i = 0; i < 8; ++i)
     scenes.push_back(

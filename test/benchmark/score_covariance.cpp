@@ -205,14 +205,14 @@ private:
   }
 
   std::vector<Answer> singleAnswers(const std::shared_ptr<const Map>& map, const PosedRun& run) const {
-    GlobalLocalization localization(map, localization_);
+    internal::GlobalLocalization localization(map, localization_);
     localization.setNumberOfThreads(1);
     std::vector<Answer> answers(run.views.size());
     const int n = static_cast<int>(answers.size());
 #pragma omp parallel for schedule(dynamic)
     for (int i = 0; i < n; ++i) {
       const Localization found = localization.localize(run.views[i]);
-      answers[i] = {worldPose(*map, found.hypotheses), found.state() == AnswerState::sure};
+      answers[i] = {worldPose(*map, found.hypotheses), found.state == AnswerState::sure};
     }
     return answers;
   }
@@ -244,7 +244,7 @@ private:
     params.prior.translation_std = kPairDistance;
     const Localization found = PairRegistration(other, params).align(view);
     if (found.hypotheses.empty()) return {};
-    return {found.hypotheses.front().T_m_c, found.state() == AnswerState::sure};
+    return {found.hypotheses.front().T_m_c, found.state == AnswerState::sure};
   }
 
   /** Motions from each image to the one `gap` later; sure if the views have seen the motion. */
@@ -267,7 +267,7 @@ private:
     sequence.setNumberOfThreads(threads());
     std::vector<Answer> answers;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
-      const LocalizerAnswer found = sequence.update(run.views[i], run.stamps[i]);
+      const Localization found = sequence.update(run.views[i], run.stamps[i]);
       answers.push_back({worldPose(*map, found.hypotheses), found.state == AnswerState::sure});
     }
     return answers;
@@ -282,8 +282,9 @@ private:
   Map mapOfPlace(MappedPlace& place) const {
     Map map = map_.empty() ? place.see(view_) : readMap(map_);
     if (map_.empty())
-      internal::setAmbiguity(
-          internal::aliasScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
+      internal::setAmbiguity(internal::aliasScores(internal::GlobalLocalization(
+                                 std::make_shared<const Map>(map), localization_)),
+                             map);
     else
       place.seeQuery(map, view_);
     return map;

@@ -135,7 +135,7 @@ private:
       batch.run([&](std::size_t i) { return sequence.frames()[i * every].path.string(); },
                 [&](std::size_t i, int worker) {
                   const View view = viewOf(sequence, i * every, input_.width, builders[worker]);
-                  const LocalizerAnswer answer = localizer.localize(view);
+                  const Localization answer = localizer.localize(view);
                   found[i] = {of_map.place, recording.place, sequence.frames()[i * every].name};
                   if (answer.hypotheses.empty()) return;
                   found[i]->probability = answer.hypotheses.front().probability;

@@ -15,8 +15,7 @@
 #include "inputs/localization_options.h"
 #include "mapped_place.h"
 #include "outputs/localization_report.h"
-
-#include <facetloc/localization/global_localization.h>
+#include "ranking/global_localization.h"
 
 #include <algorithm>
 #include <cstdio>

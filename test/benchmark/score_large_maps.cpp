@@ -19,13 +19,13 @@
 #include "drawing/charts.h"
 #include "drawing/offscreen_display.h"
 #include "pairs/view_registration.h"
+#include "ranking/global_localization.h"
 #include "set_parameter.h"
 #include "shortlist/shortlist.h"
 #include "simulated_floors.h"
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/place_index.h>
 
 #include <algorithm>
@@ -301,7 +301,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   GlobalLocalizationParams all;
   all.shortlist = options.shortlist;
   all.shortlist.size = 0;
-  const GlobalLocalization exhaustive(map, all);
+  const internal::GlobalLocalization exhaustive(map, all);
   findWhoShows(*map, all, queries);
 
   ShortlistParams whole = options.shortlist;
@@ -345,7 +345,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   GlobalLocalizationParams some = all;
   some.shortlist = options.shortlist;
   some.shortlist.exhaustive_up_to = 0;
-  const GlobalLocalization quick(map, some);
+  const internal::GlobalLocalization quick(map, some);
   const Shortlist shortlist(map, some);
   std::size_t listed = 0, held = 0;
   for (const Question& q : queries) {

@@ -76,7 +76,7 @@ PairAnswers registerPair(const View& scene, const View& target, const Registrati
   return answers;
 }
 
-bool isSure(const Localization& answer) { return answer.state() == AnswerState::sure; }
+bool isSure(const Localization& answer) { return answer.state == AnswerState::sure; }
 double probabilityOf(const Localization& answer) {
   return answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
 }

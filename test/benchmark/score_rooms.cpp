@@ -11,8 +11,8 @@
 // planes of at least 150 px (at 320x240) that it shares with such a model fix all six degrees of freedom to 5
 // cm.
 #include "evaluation/frame_truth.h"
+#include "ranking/global_localization.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_run.h>
@@ -151,7 +151,7 @@ std::vector<Answered> localizeInRoom(std::uint64_t seed) {
       map->models.emplace_back("", 0, T_w_m, room.view(T_w_m));
     }
   }
-  const GlobalLocalization localization(map);
+  const internal::GlobalLocalization localization(map);
   std::vector<TrueSegments> true_segments;
   for (const LocalModel& m : map->models) true_segments.push_back(room.trueSegmentsOf(*m.T_w_m));
   std::vector<Answered> answers;

@@ -87,7 +87,7 @@ private:
   }
 
   static void print(std::size_t start, std::size_t image, double gone, bool right, const PoseError& error,
-                    const LocalizerAnswer& answer) {
+                    const Localization& answer) {
     std::printf("start %zu, image %zu, after %.2f m: %s%s%s%s, p %.3f, nowhere %.3f, %zu places, %.0f mm "
                 "%.1f deg; %s\n",
                 start, image, gone, toString(answer.state), right ? ", right" : "",
@@ -105,7 +105,7 @@ private:
       if (i > start && (unknown_ || seen.covered[i]))
         gone += (seen.truth[i].translation() - seen.truth[i - 1].translation()).norm();
       const auto begin = std::chrono::steady_clock::now();
-      const LocalizerAnswer answer = sequence.update(seen.views[i], seen.stamps[i]);
+      const Localization answer = sequence.update(seen.views[i], seen.stamps[i]);
       course.milliseconds +=
           std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
       bool right = false;

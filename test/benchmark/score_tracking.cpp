@@ -147,7 +147,7 @@ Score track(const Floor& floor, const Options& options) {
     if (floor.covered[k] && i > 0) in_map += floor.stamps[i] - floor.stamps[i - 1];
     if (now < free_at) continue;
     const auto start = std::chrono::steady_clock::now();
-    const LocalizerAnswer pose = localizer.update(floor.views[k], now);
+    const Localization pose = localizer.update(floor.views[k], now);
     const double ms = milliseconds(start);
     const bool searched = pose.searched;
     free_at = now + (searched ? options.busy : options.step);

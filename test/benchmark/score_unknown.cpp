@@ -14,11 +14,11 @@
 #include "cli/app.h"
 #include "inputs/localization_options.h"
 #include "mapped_place.h"
+#include "ranking/global_localization.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/densified_map.h>
 
 #include <algorithm>

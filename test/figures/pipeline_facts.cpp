@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "facts.h"
+#include "ranking/global_localization.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_run.h>
@@ -31,7 +31,7 @@ Json::Value pipelineFacts() {
     map->models.emplace_back(std::to_string(i), static_cast<double>(i), mapping.poses[i], std::move(view));
   }
   const SimulatedRun later = simulatedRun(kPlace, kSeed, kLaterRun, kLater, drive);
-  const GlobalLocalization localization(map);
+  const internal::GlobalLocalization localization(map);
   Json::Value out;
   double most = 0;  // probability of a second place
   for (std::size_t i = 0; i < later.poses.size(); ++i) {
@@ -40,7 +40,7 @@ Json::Value pipelineFacts() {
     const Localization answer = localization.localize(view);
     // The image whose first place is sure, and has many pairs, and whose second one is the most likely.
     if (answer.hypotheses.size() < 3 || answer.hypotheses[0].pairs.size() < 4) continue;
-    if (answer.state() != AnswerState::sure || answer.hypotheses[1].probability <= most) continue;
+    if (answer.state != AnswerState::sure || answer.hypotheses[1].probability <= most) continue;
     most = answer.hypotheses[1].probability;
     out.clear();
     const auto model = map->view(answer.hypotheses[0].model);
@@ -62,7 +62,7 @@ Json::Value pipelineFacts() {
       place["off"] = rounded((h.T_w_c->translation() - later.poses[i].translation()).norm(), 3);
       out["places"].append(place);
     }
-    out["not_in_map"] = rounded(*answer.notInMap(), 4);
+    out["not_in_map"] = rounded(*answer.not_in_map, 4);
     out["truth"] = numbers(Eigen::Vector3d(later.poses[i].translation()), 3);
   }
   if (out.isNull()) throw std::runtime_error("no image of the drive has several places");

@@ -2,9 +2,9 @@
 #include "calibration/map_ambiguity.h"
 #include "opened_map.h"
 #include "pairs/view_registration.h"
+#include "ranking/global_localization.h"
 #include "ranking/place_ranking.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/testing/changed_views.h>
 #include <facetloc/testing/pose_matchers.h>
@@ -98,8 +98,7 @@ TEST_F(LocalizationInARoom, ATurnedCameraIsFound) {
   int sure = 0;
   for (const double side : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
     const Eigen::Isometry3d straight = lookingAlong({3.1, 2.4, 1.3}, {1, side, -0.2});
-    if (localization.localize(viewFrom(test::largeRoom(), straight, 7)).state() != AnswerState::sure)
-      continue;
+    if (localization.localize(viewFrom(test::largeRoom(), straight, 7)).state != AnswerState::sure) continue;
     ++sure;
     for (int quarters = 1; quarters < 4; ++quarters) {
       const Eigen::Isometry3d T_w_c = rolled(straight, quarters);
@@ -123,7 +122,7 @@ TEST_F(LocalizationInARoom, TwoMountingsSayHowTheCameraIsTurned) {
   EXPECT_GT(rotationAngle(localization.prior(view).T.linear()), 170 * kDegree);
   const Localization answer = localization.localize(view);
   EXPECT_EQ(answer.camera.mounting, CameraDifference::Mounting::other);
-  ASSERT_EQ(answer.state(), AnswerState::sure);
+  ASSERT_EQ(answer.state, AnswerState::sure);
   EXPECT_THAT(*answer.hypotheses[0].T_w_c, PoseNear(T_w_c, 0.05, 1));
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ranking/global_localization.h"
 #include "shortlist/known_gravity.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/synthetic_views.h>
 

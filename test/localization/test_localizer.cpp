@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/place_belief.h"
+#include "belief/smoothed_places.h"
 #include "opened_map.h"
+#include "ranking/global_localization.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -38,13 +39,13 @@ Eigen::Isometry3d onCircle(double degrees, double radius) {
                       {std::cos(a), std::sin(a), -0.4});
 }
 
-bool isNearTo(const LocalizerAnswer& answer, const Eigen::Isometry3d& truth, double translation,
+bool isNearTo(const Localization& answer, const Eigen::Isometry3d& truth, double translation,
               double rotation_deg) {
   return !answer.hypotheses.empty() &&
          isNear(*answer.hypotheses.front().T_w_c, truth, translation, rotation_deg);
 }
 
-bool isSureAndWrong(const LocalizerAnswer& answer, const Eigen::Isometry3d& truth) {
+bool isSureAndWrong(const Localization& answer, const Eigen::Isometry3d& truth) {
   return answer.state == AnswerState::sure && !isNearTo(answer, truth, 0.3, 5);
 }
 
@@ -79,7 +80,7 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
   Localizer sequence(map);
   int sure = 0, searched = 0;
   for (int i = 0; i < kViews; ++i) {
-    const LocalizerAnswer answer = sequence.update(views[i], i * kFrame);
+    const Localization answer = sequence.update(views[i], i * kFrame);
     double sum = answer.not_in_map.value();
     for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
     EXPECT_NEAR(sum, 1, 1e-9);
@@ -97,8 +98,7 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
 TEST_F(SequenceInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
   Localizer in_file(map), in_memory(test::inMemory(*map));
   for (int i = 0; i < 12; ++i) {
-    const LocalizerAnswer a = in_file.update(views[i], i * kFrame),
-                          b = in_memory.update(views[i], i * kFrame);
+    const Localization a = in_file.update(views[i], i * kFrame), b = in_memory.update(views[i], i * kFrame);
     ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
     for (std::size_t k = 0; k < a.hypotheses.size(); ++k) {
       EXPECT_EQ(a.hypotheses[k].probability, b.hypotheses[k].probability);
@@ -109,9 +109,9 @@ TEST_F(SequenceInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
 
 TEST_F(SequenceInARoom, StandingStillSharpensNothing) {
   Localizer sequence(map);
-  const LocalizerAnswer first = sequence.update(views[0], 0);
+  const Localization first = sequence.update(views[0], 0);
   ASSERT_FALSE(first.hypotheses.empty());
-  LocalizerAnswer last;
+  Localization last;
   for (int i = 1; i < 200; ++i) {
     const View again = viewFrom(test::largeRoom(), truth[0], static_cast<unsigned>(2000 + i % 10));
     last = sequence.update(again, i * kFrame);
@@ -129,7 +129,7 @@ TEST_F(SequenceInARoom, CarriedAwayItBeginsAnew) {
   bool said = false;
   int sure_after = -1;
   for (int k = 0; k < 20; ++k, ++i) {
-    const LocalizerAnswer answer = sequence.update(views[40 + k], i * kFrame);
+    const Localization answer = sequence.update(views[40 + k], i * kFrame);
     said = said || answer.began_anew;
     EXPECT_FALSE(isSureAndWrong(answer, truth[40 + k])) << k;
     if (sure_after < 0 && answer.state == AnswerState::sure) sure_after = k;
@@ -148,13 +148,13 @@ TEST_F(SequenceInARoom, CarriedAwayWithWheelsThatStandStillItBeginsAnew) {
     sequence.update(views[i], i * kFrame, motion);
   }
   const PoseWithCovariance still{Eigen::Isometry3d::Identity(), 1e-6 * Matrix6d::Identity()};
-  const LocalizerAnswer carried = sequence.update(views[40], i++ * kFrame, still);
+  const Localization carried = sequence.update(views[40], i++ * kFrame, still);
   EXPECT_TRUE(carried.began_anew);
   EXPECT_FALSE(isSureAndWrong(carried, truth[40]));
   bool sure = false;
   for (int k = 41; k < 50; ++k, ++i) {
     const PoseWithCovariance motion{truth[k - 1].inverse() * truth[k], 1e-6 * Matrix6d::Identity()};
-    const LocalizerAnswer answer = sequence.update(views[k], i * kFrame, motion);
+    const Localization answer = sequence.update(views[k], i * kFrame, motion);
     EXPECT_FALSE(isSureAndWrong(answer, truth[k])) << k;
     sure = sure || answer.state == AnswerState::sure;
   }
@@ -165,7 +165,7 @@ TEST_F(SequenceInARoom, PairsAreOfTheViewThatHasThem) {
   Localizer sequence(map);
   int with_pairs = 0;
   for (int i = 0; i < 30; ++i) {
-    const LocalizerAnswer answer =
+    const Localization answer =
         sequence.update(views[i / 3], i * kFrame);  // one of three counts as an observation
     for (const Hypothesis& h : answer.hypotheses) {
       with_pairs += !h.pairs.empty();
@@ -180,27 +180,18 @@ TEST_F(SequenceInARoom, PairsAreOfTheViewThatHasThem) {
   EXPECT_GT(with_pairs, 0);
 }
 
-TEST_F(SequenceInARoom, CloudsAndImagesAreSeenAsViewsAre) {
-  Localizer by_views(map), by_images(map), by_clouds(map);
+TEST_F(SequenceInARoom, ImagesAreSeenAsViewsAre) {
+  Localizer by_views(map), by_images(map);
   for (int i = 0; i < 3; ++i) {
     const DepthImage image =
         test::noisy(test::render(test::largeRoom(), test::smallCamera(), truth[i], 20).image,
                     SensorNoise{}.inverse_depth_std, 1 + i);
-    pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
-    for (std::size_t k = 0; k < image.depth.size(); ++k) {
-      const int u = static_cast<int>(k) % image.camera.width, v = static_cast<int>(k) / image.camera.width;
-      const float z = isMeasured(image.depth[k]) ? image.depth[k] : std::numeric_limits<float>::quiet_NaN();
-      cloud[k] = {static_cast<float>((u - image.camera.cx) / image.camera.fx) * z,
-                  static_cast<float>((v - image.camera.cy) / image.camera.fy) * z, z};
-    }
-    const LocalizerAnswer of_view = by_views.update(views[i], i * kFrame);
-    for (const LocalizerAnswer& other :
-         {by_images.update(image, i * kFrame), by_clouds.update(cloud, i * kFrame)}) {
-      ASSERT_EQ(other.hypotheses.size(), of_view.hypotheses.size()) << i << other.reason;
-      for (std::size_t k = 0; k < other.hypotheses.size(); ++k)
-        EXPECT_TRUE(isNear(*other.hypotheses[k].T_w_c, *of_view.hypotheses[k].T_w_c, 0.02, 0.5))
-            << i << " " << k;
-    }
+    const Localization of_view = by_views.update(views[i], i * kFrame);
+    const Localization of_image = by_images.update(image, i * kFrame);
+    ASSERT_EQ(of_image.hypotheses.size(), of_view.hypotheses.size()) << i << of_image.reason;
+    for (std::size_t k = 0; k < of_image.hypotheses.size(); ++k)
+      EXPECT_TRUE(isNear(*of_image.hypotheses[k].T_w_c, *of_view.hypotheses[k].T_w_c, 0.02, 0.5))
+          << i << " " << k;
   }
 }
 
@@ -209,7 +200,7 @@ TEST_F(SequenceInARoom, AfterAGapTheImageDecides) {
   Localizer localizer(map);
   double stamp = 0;
   for (int i = 0; i < 20; ++i) localizer.update(views[i], stamp += kFrame);
-  const LocalizerAnswer after = localizer.update(views[50], stamp += 60);
+  const Localization after = localizer.update(views[50], stamp += 60);
   EXPECT_TRUE(isNearTo(after, truth[50], 0.1, 2));
   EXPECT_EQ(after.state, AnswerState::sure) << after.reason;
 }
@@ -218,7 +209,7 @@ TEST_F(SequenceInARoom, AfterAGapTheImageDecides) {
 TEST_F(SequenceInARoom, SureMeansProbableAndFixed) {
   GlobalLocalizationParams strict;
   strict.sure.max_translation = 1e-3;
-  const LocalizerAnswer single = Localizer(map, {}, strict).localize(views[0]);
+  const Localization single = Localizer(map, {}, strict).localize(views[0]);
   EXPECT_EQ(single.state, AnswerState::doubtful);
   EXPECT_GT(single.hypotheses.front().probability, 0.9);
   EXPECT_THAT(single.reason, HasSubstr("the place is known, the pose is not: nothing in view fixes"));
@@ -226,7 +217,7 @@ TEST_F(SequenceInARoom, SureMeansProbableAndFixed) {
     Localizer localizer(map, {}, params);
     double stamp = 0;
     for (const View& view : views) {
-      const LocalizerAnswer answer = localizer.update(view, stamp += kFrame);
+      const Localization answer = localizer.update(view, stamp += kFrame);
       ASSERT_FALSE(answer.hypotheses.empty());
       const Hypothesis& best = answer.hypotheses.front();
       const Matrix6d P = (*map->models[best.model].T_w_m * best.T_m_c).P;
@@ -239,7 +230,7 @@ TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
   for (const double stamp : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
     Localizer sequence(map);
     for (int i = 0; i < 20; ++i) sequence.update(views[i], i * kFrame);
-    const LocalizerAnswer answer = sequence.update(views[20], stamp);
+    const Localization answer = sequence.update(views[20], stamp);
     EXPECT_TRUE(answer.began_anew);
     EXPECT_EQ(answer.looks, 1);
     EXPECT_FALSE(isSureAndWrong(answer, truth[20]));
@@ -249,7 +240,7 @@ TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
 
 TEST_F(SequenceInARoom, EmptyViewsAreBridged) {
   Localizer sequence(map);
-  LocalizerAnswer answer = sequence.update(View(), 0);
+  Localization answer = sequence.update(View(), 0);
   EXPECT_EQ(answer.state, AnswerState::unknown);
   EXPECT_NE(answer.reason, "");
   for (int i = 0; i < 20; ++i) answer = sequence.update(views[i], (1 + i) * kFrame);
@@ -279,7 +270,7 @@ TEST_F(SequenceInARoom, AnHonestOdometryIsNoHindrance) {
   for (int i = 0; i < kViews; ++i) {
     std::optional<PoseWithCovariance> motion;
     if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
-    const LocalizerAnswer answer = sequence.update(views[i], i * kFrame, motion);
+    const Localization answer = sequence.update(views[i], i * kFrame, motion);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
     sure += answer.state == AnswerState::sure;
   }
@@ -289,7 +280,7 @@ TEST_F(SequenceInARoom, AnHonestOdometryIsNoHindrance) {
 TEST_F(SequenceInARoom, AnOdometryCarriesItThroughTheDark) {
   Localizer sequence(map);
   for (int i = 0; i < 20; ++i) sequence.update(views[i], i * kFrame);
-  LocalizerAnswer answer;
+  Localization answer;
   for (int i = 20; i < 40; ++i) {
     PoseWithCovariance motion;
     motion.T = truth[i - 1].inverse() * truth[i];
@@ -316,7 +307,7 @@ TEST_F(SequenceInARoom, TheSameViewsGiveTheSameBytesForAnyNumberOfThreads) {
     sequence.setNumberOfThreads(threads);
     std::string out;
     for (int i = 0; i < 20; ++i) {
-      const LocalizerAnswer answer = sequence.update(views[i], i * kFrame);
+      const Localization answer = sequence.update(views[i], i * kFrame);
       out += answer.reason;
       for (const Hypothesis& h : answer.hypotheses) {
         out.append(reinterpret_cast<const char*>(h.T_w_c->data()), 16 * sizeof(double));
@@ -335,19 +326,10 @@ TEST_F(SequenceInARoom, AMapWithoutPlacesSaysSo) {
   for (LocalModel& m : bare->models) m.T_w_m.reset();
   for (const auto& nothing : {bare, std::make_shared<Map>()}) {
     Localizer sequence(nothing);
-    const LocalizerAnswer answer = sequence.update(views[0], 0);
+    const Localization answer = sequence.update(views[0], 0);
     EXPECT_EQ(answer.state, AnswerState::unknown);
     EXPECT_NE(answer.reason, "");
   }
-}
-
-TEST_F(SequenceInARoom, ACloudThatIsNoImageSaysSo) {
-  Localizer sequence(map);
-  pcl::PointCloud<pcl::PointXYZ> cloud;
-  cloud.push_back({1, 2, 3});
-  const LocalizerAnswer answer = sequence.update(cloud, 0);
-  EXPECT_EQ(answer.state, AnswerState::unknown);
-  EXPECT_THAT(answer.reason, HasSubstr("organized"));
 }
 
 /** Two rooms, 20 m apart, equal but for a cupboard that one of them has behind. */
@@ -385,7 +367,7 @@ protected:
 TEST_F(SequenceInTwinRooms, OnlyTheirDifferenceDecides) {
   Localizer sequence(map);
   int sure_before = 0;
-  LocalizerAnswer answer;
+  Localization answer;
   for (int i = 0; i < kViews; ++i) {
     answer = sequence.update(views[i], i * kFrame);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
@@ -416,7 +398,7 @@ TEST_F(SequenceInTwinRooms, AStartDecidesBetweenThem) {
   localizer.setPose(startNear(truth[0]));
   int sure = 0;
   for (int i = 0; i < 20; ++i) {
-    const LocalizerAnswer answer = localizer.update(views[i], i * kFrame);
+    const Localization answer = localizer.update(views[i], i * kFrame);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
     sure += answer.state == AnswerState::sure;
   }
@@ -432,7 +414,7 @@ TEST_F(SequenceInTwinRooms, AStartDecidesWithoutAHeading) {
     localizer.setPose(start);
     int sure = 0;
     for (int i = 0; i < 20; ++i) {
-      const LocalizerAnswer answer = localizer.update(views[i], i * kFrame);
+      const Localization answer = localizer.update(views[i], i * kFrame);
       EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i << ", " << wrong_by_deg;
       sure += answer.state == AnswerState::sure;
     }
@@ -443,7 +425,7 @@ TEST_F(SequenceInTwinRooms, AStartDecidesWithoutAHeading) {
 TEST_F(SequenceInARoom, AWrongStartIsLeft) {
   Localizer localizer(map);
   localizer.setPose(startNear(truth[45]));
-  LocalizerAnswer answer;
+  Localization answer;
   for (int i = 0; i < 30; ++i) {
     answer = localizer.update(views[i], i * kFrame);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
@@ -456,10 +438,10 @@ TEST_F(SequenceInTwinRooms, AGuessDecidesForASingleView) {
   int sure = 0;
   for (int i = 0; i < 12; i += 3) {
     ASSERT_NE(localizer.localize(views[i]).state, AnswerState::sure) << i;
-    const LocalizerAnswer answer = localizer.localize(views[i], startNear(truth[i]));
+    const Localization answer = localizer.localize(views[i], startNear(truth[i]));
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
     sure += answer.state == AnswerState::sure;
-    const LocalizerAnswer again = localizer.localize(views[i], startNear(truth[i]));
+    const Localization again = localizer.localize(views[i], startNear(truth[i]));
     EXPECT_EQ(again.hypotheses.size(), answer.hypotheses.size()) << "it remembers nothing";
   }
   EXPECT_GE(sure, 3);
@@ -468,7 +450,7 @@ TEST_F(SequenceInTwinRooms, AGuessDecidesForASingleView) {
 TEST_F(SequenceInARoom, AWrongGuessIsNoAnswer) {
   const Localizer localizer(map);
   for (int i = 0; i < 12; i += 3) {
-    const LocalizerAnswer answer = localizer.localize(views[i], startNear(truth[i + 45]));
+    const Localization answer = localizer.localize(views[i], startNear(truth[i + 45]));
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
   }
   EXPECT_THROW(localizer.localize(views[0], PoseWithCovariance()), std::invalid_argument);
@@ -486,21 +468,25 @@ TEST_F(SequenceInARoom, AStartWithoutSenseIsRefused) {
 TEST_F(SequenceInARoom, AStartIsKnownBeforeAnythingIsSeen) {
   Localizer localizer(map);
   localizer.setPose(startNear(truth[0]));
-  const LocalizerAnswer answer = localizer.update(View(), 0);
+  const Localization answer = localizer.update(View(), 0);
   ASSERT_EQ(answer.hypotheses.size(), 1u);
   EXPECT_THAT(*answer.hypotheses[0].T_w_c, test::PoseNear(startNear(truth[0]).T, 1e-9, 1e-6));
   EXPECT_NE(answer.state, AnswerState::sure);
 }
 
 TEST_F(SequenceInTwinRooms, LaterViewsAlsoLocateTheFirstOne) {
-  Localizer sequence(map), backward(map);
-  std::vector<LocalizerAnswer> until(kViews), from(kViews);
-  for (int i = 0; i < kViews; ++i) until[i] = sequence.update(views[i], i * kFrame);
-  for (int i = kViews - 1; i >= 0; --i) from[i] = backward.update(views[i], -i * kFrame);
-  ASSERT_EQ(until[0].state, AnswerState::doubtful);
+  Localizer localizer(map);
+  std::vector<DriveView> drive;
+  for (int i = 0; i < kViews; ++i)
+    drive.push_back({views[i], i * kFrame, {}, localizer.update(views[i], i * kFrame)});
+  ASSERT_EQ(drive[0].answer.state, AnswerState::doubtful);
+  int done = 0;
+  const std::vector<Localization> by_all = localizer.smoothed(drive, [&] { ++done; });
+  ASSERT_EQ(by_all.size(), drive.size());
+  EXPECT_EQ(done, kViews);
   double squares = 0, variances = 0;
   for (int i = 0; i + 1 < kViews; ++i) {
-    const LocalizerAnswer answer = sequence.smoothed(until[i], from[i + 1], until[i + 1].T_before_now);
+    const Localization& answer = by_all[i];
     EXPECT_EQ(answer.state, AnswerState::sure) << i << ": " << answer.reason;
     EXPECT_TRUE(isNearTo(answer, truth[i], 0.1, 2)) << i;
     double sum = answer.not_in_map.value();
@@ -517,18 +503,23 @@ TEST_F(SequenceInTwinRooms, LaterViewsAlsoLocateTheFirstOne) {
 }
 
 TEST_F(SequenceInTwinRooms, TwoDirectionsOfOneViewAreOneView) {
-  Localizer sequence(map), backward(map);
-  const LocalizerAnswer until = sequence.update(views[0], 0);
-  sequence.update(views[0], kFrame);
-  const LocalizerAnswer from = backward.update(views[0], -kFrame);
+  Localizer localizer(map);
+  std::vector<DriveView> drive;
+  for (const double stamp : {0.0, kFrame})
+    drive.push_back({views[0], stamp, {}, localizer.update(views[0], stamp)});
+  EXPECT_NE(localizer.smoothed(drive).front().state, AnswerState::sure);
+}
+
+TEST_F(SequenceInTwinRooms, NothingThatComesLaterTellsNothing) {
+  Localizer localizer(map);
+  const Localization until = localizer.update(views[0], 0);
   PoseWithCovariance none;
   none.P = 1e-8 * Matrix6d::Identity();
-  EXPECT_NE(sequence.smoothed(until, from, none).state, AnswerState::sure);
-  const LocalizerAnswer alone = sequence.smoothed(until, LocalizerAnswer(), none);
-  ASSERT_EQ(alone.hypotheses.size(), until.hypotheses.size());
-  for (std::size_t i = 0; i < alone.hypotheses.size(); ++i)
-    EXPECT_NEAR(alone.hypotheses[i].probability, until.hypotheses[i].probability, 1e-6)
-        << "nothing tells nothing";
+  const double prior = -GlobalLocalizationParams().probability.priorLogOdds();
+  const Localization smoothed = smoothedPlaces(until, Localization(), none, prior);
+  ASSERT_EQ(smoothed.hypotheses.size(), until.hypotheses.size());
+  for (std::size_t i = 0; i < smoothed.hypotheses.size(); ++i)
+    EXPECT_NEAR(smoothed.hypotheses[i].probability, until.hypotheses[i].probability, 1e-6);
 }
 
 class BeliefInARoom : public SequenceInARoom {
@@ -652,7 +643,7 @@ TEST_F(BeliefInARoom, ASureViewOfAnotherPlaceIsHeard) {
   belief.inject(0, {truth[0], 1e-4 * Matrix6d::Identity()}, 7);
   const double nowhere = 1 - belief.places().front().probability;
   Localization found = GlobalLocalization(map).localize(views[30]);
-  ASSERT_EQ(found.state(), AnswerState::sure);
+  ASSERT_EQ(found.state, AnswerState::sure);
   Hypothesis sure = found.hypotheses.front();
   sure.probability = 0.99;
   belief.hear(sure);
@@ -668,7 +659,7 @@ TEST_F(BeliefInARoom, ASureViewOfTheSamePlaceChangesNoOdds) {
   belief.inject(0, {truth[30], 1e-4 * Matrix6d::Identity()}, 1);
   const double before = logOdds(belief);
   Localization found = GlobalLocalization(map).localize(views[30]);
-  ASSERT_EQ(found.state(), AnswerState::sure);
+  ASSERT_EQ(found.state, AnswerState::sure);
   belief.hear(found.hypotheses.front());
   EXPECT_EQ(logOdds(belief), before);
 }

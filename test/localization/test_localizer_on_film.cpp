@@ -92,7 +92,7 @@ protected:
   static double tiltOf(const Eigen::Isometry3d& T_w_c) {
     return -std::asin(T_w_c.linear().col(2).z()) / kDegree;
   }
-  static bool isGood(const LocalizerAnswer& pose, const Eigen::Isometry3d& truth) {
+  static bool isGood(const Localization& pose, const Eigen::Isometry3d& truth) {
     if (!pose.T_w_c) return false;
     const Vector6d e = perturbation(pose.T_w_c->T, truth);
     return e.head<3>().norm() < 1 * kDegree && e.tail<3>().norm() < 0.05;
@@ -104,7 +104,7 @@ protected:
   static std::shared_ptr<Map> map;
   static std::unique_ptr<Drive> drive;
   int next_ = 0;
-  LocalizerAnswer last_;
+  Localization last_;
 };
 std::shared_ptr<Map> FilmOfARoom::map;
 std::unique_ptr<Drive> FilmOfARoom::drive;
@@ -136,7 +136,7 @@ TEST_F(FilmOfARoom, ViewsThatNoPlaceExplainsAreNoCrash) {
     const View elsewhere = viewFrom(test::furnishedRoom(),
                                     lookingAlong({1.5, 1 + 0.05 * i, 1.3}, {std::sin(a), std::cos(a), -0.2}),
                                     static_cast<unsigned>(i));
-    const LocalizerAnswer pose = localizer.update(elsewhere, i * kFrame);
+    const Localization pose = localizer.update(elsewhere, i * kFrame);
     EXPECT_FALSE(pose.T_w_c);
     EXPECT_NE(pose.reason, "");
   }
@@ -146,7 +146,7 @@ TEST_F(FilmOfARoom, FollowsTheCameraAndKnowsItsError) {
   Localizer localizer(map);
   double nees = 0, translation = 0;
   for (int i = 0; i < kViews; ++i) {
-    const LocalizerAnswer pose = localizer.update(drive->views[i], i * kFrame);
+    const Localization pose = localizer.update(drive->views[i], i * kFrame);
     EXPECT_EQ(pose.tracking, i == 0 ? TrackingState::localized : TrackingState::tracking) << i << pose.reason;
     EXPECT_EQ(pose.reason, "");
     ASSERT_TRUE(pose.T_w_c);
@@ -168,8 +168,8 @@ TEST_F(FilmOfARoom, FollowsTheCameraAndKnowsItsError) {
 TEST_F(FilmOfARoom, ViewsInAFileGiveThePosesOfThoseInMemory) {
   Localizer in_file(map), in_memory(test::inMemory(*map));
   for (int i = 0; i < 15; ++i) {
-    const LocalizerAnswer a = in_file.update(drive->views[i], i * kFrame),
-                          b = in_memory.update(drive->views[i], i * kFrame);
+    const Localization a = in_file.update(drive->views[i], i * kFrame),
+                       b = in_memory.update(drive->views[i], i * kFrame);
     EXPECT_EQ(a.tracking, b.tracking);
     ASSERT_EQ(a.T_w_c.has_value(), b.T_w_c.has_value()) << i;
     if (!a.T_w_c) continue;
@@ -181,7 +181,7 @@ TEST_F(FilmOfARoom, ViewsInAFileGiveThePosesOfThoseInMemory) {
 TEST_F(FilmOfARoom, FollowsEveryFourthView) {
   Localizer localizer(map);
   for (int i = 0; i < kViews; i += 4) {
-    const LocalizerAnswer pose = localizer.update(drive->views[i], i * kFrame);
+    const Localization pose = localizer.update(drive->views[i], i * kFrame);
     if (i == 0) continue;
     EXPECT_TRUE(isGood(pose, drive->truth[i])) << i << ": " << pose.reason;
   }
@@ -218,7 +218,7 @@ TEST_F(FilmOfARoom, AKidnappingIsNoticedAndRepaired) {
   const int jump = 60;
   int noticed = -1, found = -1;
   for (int i = jump; i < kViews && found < 0; ++i, ++next_) {
-    const LocalizerAnswer pose = localizer.update(drive->views[i], next_ * kFrame);
+    const Localization pose = localizer.update(drive->views[i], next_ * kFrame);
     if (noticed < 0 && (pose.tracking == TrackingState::lost || pose.tracking == TrackingState::localized))
       noticed = i;
     if (pose.tracking == TrackingState::tracking) {
@@ -239,11 +239,11 @@ TEST_F(FilmOfARoom, AKidnappingIsNoticedAndRepaired) {
 TEST_F(FilmOfARoom, APlaceThatTheNextViewContradictsIsForgotten) {
   Localizer localizer(map);
   EXPECT_TRUE(isGood(localizer.update(drive->views[0], 0), drive->truth[0]));
-  const LocalizerAnswer second = localizer.update(drive->views[70], kFrame);
+  const Localization second = localizer.update(drive->views[70], kFrame);
   EXPECT_TRUE(second.began_anew);
   EXPECT_EQ(second.tracking, TrackingState::localized);
   EXPECT_TRUE(isGood(second, drive->truth[70]));
-  const LocalizerAnswer third = localizer.update(drive->views[71], 2 * kFrame);
+  const Localization third = localizer.update(drive->views[71], 2 * kFrame);
   EXPECT_EQ(third.tracking, TrackingState::tracking);
   EXPECT_TRUE(isGood(third, drive->truth[71]));
 }
@@ -254,7 +254,7 @@ TEST_F(FilmOfARoom, EmptyViewsAreBridgedForAWhile) {
   empty.intrinsics = drive->views[0].intrinsics;
   double std = 0;
   for (int i = 0; i < 4; ++i, ++next_) {
-    const LocalizerAnswer pose = localizer.update(empty, next_ * kFrame);
+    const Localization pose = localizer.update(empty, next_ * kFrame);
     if (i > 1) {  // until then it knows well enough how it moves
       EXPECT_EQ(pose.tracking, TrackingState::degenerate);
       EXPECT_THAT(pose.reason, HasSubstr("no planar segment"));
@@ -263,7 +263,7 @@ TEST_F(FilmOfARoom, EmptyViewsAreBridgedForAWhile) {
     EXPECT_GT(pose.T_w_c->P.trace(), std);
     std = pose.T_w_c->P.trace();
   }
-  const LocalizerAnswer pose = localizer.update(drive->views[next_], next_ * kFrame);
+  const Localization pose = localizer.update(drive->views[next_], next_ * kFrame);
   EXPECT_EQ(pose.tracking, TrackingState::tracking) << pose.reason;
   EXPECT_TRUE(isGood(pose, drive->truth[next_]));
 }
@@ -292,7 +292,7 @@ TEST_F(FilmOfARoom, ARobotThatGoesSidewaysIsBelieved) {
   floor->camera.mounting = mounting;
   Localizer localizer(floor);
   for (int i = 0; i < kViews; ++i) {
-    const LocalizerAnswer pose = localizer.update(mounted(drive->views[i], mounting), i * kFrame);
+    const Localization pose = localizer.update(mounted(drive->views[i], mounting), i * kFrame);
     // Three planes leave a direction open for thirty views on end; there it knows its uncertainty.
     const bool is_open = pose.T_w_c && largestTranslationStd(pose.T_w_c->P) > 0.05;
     EXPECT_TRUE(i == 0 || (is_open && isWithinItsError(*pose.T_w_c, drive->truth[i])) ||
@@ -303,7 +303,7 @@ TEST_F(FilmOfARoom, ARobotThatGoesSidewaysIsBelieved) {
 
 TEST_F(FilmOfARoom, AfterADarkWhileItIsLostAndFindsItselfAgain) {
   Localizer localizer = started();
-  LocalizerAnswer pose;
+  Localization pose;
   double stamp = next_ * kFrame;
   for (int i = 0; i < 300; ++i) pose = localizer.update(View(), stamp += kFrame);
   EXPECT_EQ(pose.tracking, TrackingState::lost);
@@ -327,7 +327,7 @@ TEST_F(FilmOfARoom, AnOdometryCarriesItThroughTheDark) {
   double std[2] = {0, 0};  // without it and with it [m]
   for (const bool has_odometry : {false, true}) {
     Localizer localizer = started();
-    LocalizerAnswer pose;
+    Localization pose;
     for (int last = 60; next_ < last; ++next_) {
       std::optional<PoseWithCovariance> motion;
       if (has_odometry) motion = byWheels(drive->truth[next_ - 1], drive->truth[next_]);
@@ -352,7 +352,7 @@ TEST_F(FilmOfARoom, AnOdometryBridgesAnyGap) {
     Localizer localizer = started();
     std::optional<PoseWithCovariance> motion;
     if (has_odometry) motion = byWheels(drive->truth[next_ - 1], drive->truth[70]);
-    const LocalizerAnswer pose = localizer.update(drive->views[70], next_ * kFrame + 20, motion);
+    const Localization pose = localizer.update(drive->views[70], next_ * kFrame + 20, motion);
     EXPECT_EQ(pose.began_anew, !has_odometry);
     EXPECT_EQ(pose.tracking, has_odometry ? TrackingState::tracking : TrackingState::localized)
         << pose.reason;
@@ -364,7 +364,7 @@ TEST_F(FilmOfARoom, AnOdometryThatKnowsNothingOfAKidnappingIsNotBelieved) {
   Localizer localizer = started();
   int found = -1;
   for (int i = 60; i < kViews && found < 0; ++i, ++next_) {
-    const LocalizerAnswer pose =
+    const Localization pose =
         localizer.update(drive->views[i], next_ * kFrame, byWheels(drive->truth[i - 1], drive->truth[i]));
     if (pose.tracking == TrackingState::localized) {
       EXPECT_TRUE(isGood(pose, drive->truth[i]));
@@ -378,7 +378,7 @@ TEST_F(FilmOfARoom, AnOdometryOfNaNsIsIgnored) {
   Localizer localizer = started();
   PoseWithCovariance nan = byWheels(Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
   nan.T.translation().x() = std::numeric_limits<double>::quiet_NaN();
-  const LocalizerAnswer pose = localizer.update(drive->views[next_], next_ * kFrame, nan);
+  const Localization pose = localizer.update(drive->views[next_], next_ * kFrame, nan);
   EXPECT_EQ(pose.tracking, TrackingState::tracking);
   EXPECT_TRUE(isGood(pose, drive->truth[next_]));
   EXPECT_TRUE(localizer.update(drive->views[70], next_ * kFrame + 20, nan).began_anew) << "it bridges no gap";
@@ -387,7 +387,7 @@ TEST_F(FilmOfARoom, AnOdometryOfNaNsIsIgnored) {
 TEST_F(FilmOfARoom, StampsThatGoBackOrFarAheadStartAnew) {
   for (const double stamp : {-5.0, 60.0, std::numeric_limits<double>::quiet_NaN()}) {
     Localizer localizer = started();
-    LocalizerAnswer pose = localizer.update(drive->views[40], stamp);
+    Localization pose = localizer.update(drive->views[40], stamp);
     EXPECT_TRUE(pose.began_anew) << stamp;
     EXPECT_NE(pose.reason, "");
     const double next = std::isnan(stamp) ? 0 : stamp;
@@ -400,7 +400,7 @@ TEST_F(FilmOfARoom, StampsThatGoBackOrFarAheadStartAnew) {
 TEST_F(FilmOfARoom, TheSameViewTwiceChangesLittle) {
   Localizer localizer = started();
   const double stamp = (next_ - 1) * kFrame;
-  const LocalizerAnswer again = localizer.update(drive->views[next_ - 1], stamp);
+  const Localization again = localizer.update(drive->views[next_ - 1], stamp);
   EXPECT_EQ(again.tracking, TrackingState::tracking);
   EXPECT_THAT(again.T_w_c->T, PoseNear(last_.T_w_c->T, 0.01, 0.2));
 }
@@ -408,7 +408,7 @@ TEST_F(FilmOfARoom, TheSameViewTwiceChangesLittle) {
 TEST_F(FilmOfARoom, RelocalizeForgets) {
   Localizer localizer = started();
   localizer.reset();
-  const LocalizerAnswer pose = localizer.update(drive->views[next_], next_ * kFrame);
+  const Localization pose = localizer.update(drive->views[next_], next_ * kFrame);
   EXPECT_EQ(pose.tracking, TrackingState::localized);
   EXPECT_EQ(pose.looks, 1);
 }
@@ -418,7 +418,7 @@ TEST_F(FilmOfARoom, TheSameViewsGiveTheSameBytes) {
     Localizer localizer(map);
     std::string out;
     for (int i = 0; i < 20; ++i) {
-      const LocalizerAnswer p = localizer.update(drive->views[i < 12 ? i : i + 40], i * kFrame);
+      const Localization p = localizer.update(drive->views[i < 12 ? i : i + 40], i * kFrame);
       out += std::string(stateName(p.tracking)) + p.reason;
       if (!p.T_w_c) continue;
       out.append(reinterpret_cast<const char*>(p.T_w_c->T.data()), 16 * sizeof(double));
@@ -434,7 +434,7 @@ TEST_F(FilmOfARoom, TheSameViewsGiveTheSameBytes) {
 TEST_F(FilmOfARoom, AMapWithoutWorldPosesSaysSo) {
   auto bare = std::make_shared<Map>(*map);
   for (LocalModel& m : bare->models) m.T_w_m.reset();
-  const LocalizerAnswer pose = Localizer(bare).update(drive->views[0], 0);
+  const Localization pose = Localizer(bare).update(drive->views[0], 0);
   EXPECT_EQ(pose.tracking, TrackingState::searching);
   EXPECT_THAT(pose.reason, HasSubstr("no local model"));
   EXPECT_EQ(Localizer(std::make_shared<Map>()).update(drive->views[0], 0).tracking, TrackingState::searching);
@@ -486,7 +486,7 @@ TEST_F(FilmOfACorridor, ThePositionAlongItIsDegenerate) {
   Localizer localizer(map, {}, narrowLimits());
   int told = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const LocalizerAnswer pose = localizer.update(drive.views[i], static_cast<double>(i) * kFrame);
+    const Localization pose = localizer.update(drive.views[i], static_cast<double>(i) * kFrame);
     if (i < 2) continue;
     ASSERT_TRUE(pose.T_w_c) << i << ": " << pose.reason;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shift(pose.T_w_c->P.bottomRightCorner<3, 3>());

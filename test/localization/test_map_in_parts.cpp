@@ -2,9 +2,9 @@
 // A map that says by its links alone how its places lie to each other is as good as one with poses.
 #include "calibration/map_ambiguity.h"
 #include "opened_map.h"
+#include "ranking/global_localization.h"
 
 #include <facetloc/features/map_parts.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -95,7 +95,7 @@ protected:
     Count count;
     for (const Seen& query : queries) {
       const Localization answer = localization.localize(query.view);
-      if (answer.state() != AnswerState::sure) continue;
+      if (answer.state != AnswerState::sure) continue;
       const Hypothesis& best = answer.hypotheses.front();
       ++count.sure;
       const Eigen::Isometry3d found = *map->models[best.model].T_w_m * best.T_m_c.T;
@@ -156,7 +156,7 @@ TEST_F(MapInParts, ACameraIsFollowedInItsPart) {
   Localizer localizer(parts);
   int followed = 0;
   for (std::size_t i = 0; i < drive_on.size(); ++i) {
-    const LocalizerAnswer pose = localizer.update(drive_on[i].view, 0.1 * static_cast<double>(i));
+    const Localization pose = localizer.update(drive_on[i].view, 0.1 * static_cast<double>(i));
     if (pose.tracking != TrackingState::tracking) continue;
     ++followed;
     EXPECT_EQ(pose.hypotheses.front().part, 0);

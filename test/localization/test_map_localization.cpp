@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opened_map.h"
+#include "ranking/global_localization.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>
@@ -89,7 +89,7 @@ TEST_F(MapLocalizationInARoom, AnswersAsTheCoreDoes) {
   localization.setInputCloud(cloud);
   Eigen::Isometry3d T;
   localization.localize(T);
-  const Localization core = GlobalLocalization(map).localize(localization.getView());
+  const Localization core = internal::GlobalLocalization(map).localize(localization.getView());
   ASSERT_EQ(localization.getHypotheses().size(), core.hypotheses.size());
   for (std::size_t i = 0; i < core.hypotheses.size(); ++i) {
     EXPECT_EQ(localization.getHypotheses()[i].probability, core.hypotheses[i].probability);
@@ -109,7 +109,7 @@ TEST_F(MapLocalizationInARoom, CloudsAreOneDriveInSequenceMode) {
     localization.setInputCloud(cloud);
     PoseWithCovariance pose;
     const bool is_sure = localization.localize(pose);
-    const LocalizerAnswer answer = core.update(localization.getView(), 1 + 0.1 * i);
+    const Localization answer = core.update(localization.getView(), 1 + 0.1 * i);
     EXPECT_EQ(localization.getState(), answer.state) << i;
     EXPECT_EQ(localization.getHypotheses().size(), answer.hypotheses.size()) << i;
     if (is_sure) {
@@ -122,7 +122,7 @@ TEST_F(MapLocalizationInARoom, CloudsAreOneDriveInSequenceMode) {
   localization.setInputCloud(cloudFrom(poseAt(200, 0.6), 50));
   Eigen::Isometry3d T;
   localization.localize(T);
-  const LocalizerAnswer first = Localizer(map).update(localization.getView(), 0);
+  const Localization first = Localizer(map).update(localization.getView(), 0);
   EXPECT_EQ(localization.getHypotheses().size(), first.hypotheses.size());
 }
 
@@ -170,7 +170,7 @@ TEST_F(MapLocalizationInARoom, MotionsAreOfTheCameraSinceTheCloudBefore) {
     localization.setInputCloud(cloud);
     PoseWithCovariance pose;
     localization.localize(pose);
-    const LocalizerAnswer answer =
+    const Localization answer =
         core.update(localization.getView(), i + 1,
                     motionByOdometry(first, {}, error) * motionByOdometry(second, {}, error));
     EXPECT_EQ(localization.getState(), answer.state) << i;

@@ -2,9 +2,9 @@
 // Queries of global localization to a place index.
 #include "pairs/view_registration.h"
 #include "place_index_rooms.h"
+#include "ranking/global_localization.h"
 #include "shortlist/shortlist.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/place_index.h>
 
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A place index that is written and read, and maps whose views are elsewhere.
 #include "place_index_rooms.h"
+#include "ranking/global_localization.h"
 #include "shortlist/place_descriptor.h"
 #include "shortlist/shortlist.h"
 
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/place_index.h>
 
 #include <gtest/gtest.h>

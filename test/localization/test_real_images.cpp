@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The whole pipeline on real depth images, where they are there.
+#include "ranking/global_localization.h"
+
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/overlap_score.h>
@@ -42,7 +43,8 @@ struct Found {
 };
 
 /** Rank 1 within 0.3 m and 5 deg, every step-th image. */
-Found localized(const GlobalLocalization& localization, const DepthSequence& query, std::size_t step) {
+Found localized(const internal::GlobalLocalization& localization, const DepthSequence& query,
+                std::size_t step) {
   Found found;
   ViewBuilder builder;
   for (std::size_t i = 0; i < query.frames().size(); i += step) {
@@ -61,7 +63,7 @@ Found localized(const GlobalLocalization& localization, const DepthSequence& que
 TEST_F(RealImages, OfAKitchenAreFoundInAMapOfItsOtherHalf) {
   const auto data = dataFolder("redkitchen");
   SKIP_WITHOUT(data);
-  const GlobalLocalization localization(mapOf(DepthSequence::open(data / "map")));
+  const internal::GlobalLocalization localization(mapOf(DepthSequence::open(data / "map")));
   const Found found = localized(localization, DepthSequence::open(data / "query"), 10);
   EXPECT_GE(found.correct, 0.95 * found.images);  // observed: all
 }
@@ -69,7 +71,7 @@ TEST_F(RealImages, OfAKitchenAreFoundInAMapOfItsOtherHalf) {
 TEST_F(RealImages, OfAStereoCameraAreFoundAlthoughTheirNoiseIsSmooth) {
   const auto data = dataFolder("recordings/d435_desk");
   SKIP_WITHOUT(data);
-  const GlobalLocalization localization(mapOf(DepthSequence::open(data / "map")));
+  const internal::GlobalLocalization localization(mapOf(DepthSequence::open(data / "map")));
   const Found found = localized(localization, DepthSequence::open(data / "query"), 4);
   EXPECT_GE(found.correct, 0.6 * found.images);  // 0.26 if the noise counts as rough
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ranking/global_localization.h"
+
 #include <facetloc/features/sure_threshold.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/sure_calibration.h>
 #include <facetloc/mapping/densified_map.h>
 #include <facetloc/mapping/map_making.h>
@@ -113,7 +114,8 @@ TEST(DensifiedMap, FindsImagesInDirectionsThatNoImageHas) {
   const auto before = std::make_shared<const Map>(drivenMap());
   Map dense = *before;
   densify(dense);
-  const GlobalLocalization in_drive(before), in_dense(std::make_shared<const Map>(std::move(dense)));
+  const internal::GlobalLocalization in_drive(before),
+      in_dense(std::make_shared<const Map>(std::move(dense)));
   int found = 0, found_before = 0, sure_and_wrong = 0;
   const double angle = 110 * kDegree;
   for (const double x : {2.0, 2.1, 2.2, 2.3, 2.4, 2.5, 2.6}) {
@@ -124,7 +126,7 @@ TEST(DensifiedMap, FindsImagesInDirectionsThatNoImageHas) {
     };
     const Localization answer = in_dense.localize(view);
     found += isFound(answer);
-    sure_and_wrong += !isFound(answer) && answer.state() == AnswerState::sure;
+    sure_and_wrong += !isFound(answer) && answer.state == AnswerState::sure;
     found_before += isFound(in_drive.localize(view));
   }
   EXPECT_GE(found, 5);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "box_mesh.h"
+#include "ranking/global_localization.h"
 
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/map_merging.h>
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>
@@ -80,7 +80,7 @@ const Map& mapOfBuilding() {
  * found there. */
 int foundIn(const Map& map) {
   const MeshSurface furnished(building().add({1.05f, 3.5f, 0}, {1.65f, 4, 2.1f}).mesh());
-  const GlobalLocalization localization(unowned(map));
+  const internal::GlobalLocalization localization(unowned(map));
   ViewBuilder builder(robotCamera());
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, DepthNoise().inverse_depth_std);
@@ -94,7 +94,7 @@ int foundIn(const Map& map) {
       const Localization answer = localization.localize(builder.build(image));
       const bool is_right =
           !answer.hypotheses.empty() && isNear(*answer.hypotheses.front().T_w_c, T_w_c, 0.2, 2);
-      EXPECT_TRUE(is_right || answer.state() != AnswerState::sure) << x << " m, " << heading << " deg";
+      EXPECT_TRUE(is_right || answer.state != AnswerState::sure) << x << " m, " << heading << " deg";
       found += is_right;
     }
   return found;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "box_mesh.h"
+#include "ranking/global_localization.h"
 
 #include <facetloc/features/pose.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>
 
@@ -50,7 +50,7 @@ TEST(ModelMap, FindsWhereItsCameraIs) {
   const auto map = std::make_shared<const Map>(mapOfRooms());
   ASSERT_FALSE(map->models.empty());
   EXPECT_TRUE(map->ambiguity);
-  const GlobalLocalization localization(map);
+  const internal::GlobalLocalization localization(map);
   ViewBuilder builder(robotCamera());
   std::mt19937 random(5);
   std::uniform_real_distribution<double> x(0.6, 5.4), y(1.6, 3), heading(-M_PI, M_PI);
@@ -65,7 +65,7 @@ TEST(ModelMap, FindsWhereItsCameraIs) {
     ASSERT_FALSE(answer.hypotheses.empty()) << i;
     const bool is_right = isNear(*answer.hypotheses.front().T_w_c, T_w_c, 0.1, 2);
     right += is_right;
-    EXPECT_TRUE(is_right || answer.state() != AnswerState::sure) << i;
+    EXPECT_TRUE(is_right || answer.state != AnswerState::sure) << i;
   }
   EXPECT_GE(right, 6);  // the others see a wall or two
 }

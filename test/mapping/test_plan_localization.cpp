@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ranking/global_localization.h"
+
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/model_map.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -93,7 +94,7 @@ TEST(PlanLocalization, FurnitureThatThePlanLacksDoesNotObject) {
   ASSERT_GT(map->models.size(), 10u) << making.findings().problem;
   EXPECT_TRUE(lacksSurfaces(*map));
 
-  GlobalLocalization localization(map);
+  internal::GlobalLocalization localization(map);
   const SimulatedCamera simulated(camera.intrinsics, {}, 3);
   ViewBuilder builder(camera);
   const Scene scene = furnished();
@@ -109,7 +110,7 @@ TEST(PlanLocalization, FurnitureThatThePlanLacksDoesNotObject) {
       const bool is_right =
           !answer.hypotheses.empty() && isNear(*answer.hypotheses.front().T_w_c, truth, 0.3, 5);
       right += is_right;
-      if (answer.state() != AnswerState::sure) continue;
+      if (answer.state != AnswerState::sure) continue;
       ++sure;
       EXPECT_TRUE(is_right) << "sure and wrong at " << place.transpose() << ", " << heading << " deg";
     }

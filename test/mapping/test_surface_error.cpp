@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "box_mesh.h"
+#include "ranking/global_localization.h"
 
 #include <facetloc/features/chi_square.h>
 #include <facetloc/features/pose.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -63,7 +63,7 @@ int inside(double surface_std) {
     DepthImage image = truth->render(cameraInHand().intrinsics, T_w_c);
     for (float& z : image.depth)
       if (z > 0) z = static_cast<float>(1 / (1 / z + noise(random)));
-    const Localization answer = GlobalLocalization(map).localize(builder.build(image));
+    const Localization answer = internal::GlobalLocalization(map).localize(builder.build(image));
     if (answer.hypotheses.empty()) continue;
     const Hypothesis& best = answer.hypotheses.front();
     const PoseWithCovariance found = *map->models[0].T_w_m * best.T_m_c;

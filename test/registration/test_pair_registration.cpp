@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/localization/global_localization.h>
+#include "ranking/global_localization.h"
+
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/pair_registration.h>
 #include <facetloc/testing/map_of_view.h>
@@ -48,7 +49,7 @@ TEST(PairRegistration, FindsTheTruePoseOfOneViewInAnother) {
 TEST(PairRegistration, AnswersAsAMapOfOneLocalModel) {
   const View target = viewOf(kTarget, 1), view = viewOf(kNear, 2);
   const Localization of_pair = PairRegistration(target).align(view, usualPrior());
-  const GlobalLocalization map(std::make_shared<const Map>(test::mapOf(target)));
+  const internal::GlobalLocalization map(std::make_shared<const Map>(test::mapOf(target)));
   const Localization of_map = map.localize(view, usualPrior());
   ASSERT_EQ(of_pair.hypotheses.size(), of_map.hypotheses.size());
   for (std::size_t i = 0; i < of_map.hypotheses.size(); ++i) {

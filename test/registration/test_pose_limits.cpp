@@ -47,11 +47,11 @@ TEST(PoseLimits, BoundWhatIsSure) {
   const Localization fixed = answerWith(0.99, covariance(1, 0.05)),
                      open = answerWith(0.99, covariance(20, 1)),
                      improbable = answerWith(0.6, covariance(1, 0.05));
-  EXPECT_EQ(fixed.state(), AnswerState::sure);
+  EXPECT_EQ(fixed.state, AnswerState::sure);
   EXPECT_TRUE(fixed.reason.empty());
-  EXPECT_EQ(open.state(), AnswerState::doubtful);
+  EXPECT_EQ(open.state, AnswerState::doubtful);
   EXPECT_THAT(open.reason, HasSubstr("nothing in view fixes"));
-  EXPECT_EQ(improbable.state(), AnswerState::doubtful);
+  EXPECT_EQ(improbable.state, AnswerState::doubtful);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ struct LockedLocalizer {
   std::mutex mutex;
 };
 
-py::dict toDict(const LocalizerAnswer& answer, const Map& map) {
+py::dict toDict(const Localization& answer, const Map& map) {
   py::dict out;
   out["state"] = toString(answer.state);
   py::list hypotheses;
@@ -55,7 +55,7 @@ py::dict localize(LockedLocalizer& self, const py::array& depth, const CameraPtr
   const DepthArray array(depth, camera);
   const auto down = toGravity(gravity);
   const auto guess = near ? std::optional(toPose(*near, {}, std_m, std_deg)) : std::nullopt;
-  LocalizerAnswer answer;
+  Localization answer;
   {
     const py::gil_scoped_release others_run;
     const std::lock_guard lock(self.mutex);
@@ -71,7 +71,7 @@ py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& 
   const auto down = toGravity(gravity);
   if (motion && !covariance) throw std::invalid_argument("motion has no covariance");
   const auto moved = motion ? std::optional(toPose(*motion, covariance, 0, 0)) : std::nullopt;
-  LocalizerAnswer answer;
+  Localization answer;
   {
     const py::gil_scoped_release others_run;
     const std::lock_guard lock(self.mutex);
@@ -104,7 +104,7 @@ py::dict registered(const py::array& source, const py::array& target, const Came
   py::dict out;
   py::list hypotheses;
   for (const Hypothesis& h : answer.hypotheses) hypotheses.append(python::toDict(h, nullptr));
-  out["state"] = toString(answer.state());
+  out["state"] = toString(answer.state);
   out["hypotheses"] = hypotheses;
   out["reason"] = answer.reason;
   return out;

@@ -17,13 +17,13 @@ namespace facetloc {
 
 /** \brief One processed frame of a live run: the data that are drawn and written. */
 struct LiveResult {
-  std::uint64_t number = 0;               ///< counts processed frames, from 1
-  double stamp = 0;                       ///< [s]; increases from frame to frame
-  SeenImage image;                        ///< at the working size; its name is the stamp
-  std::optional<LocalizerAnswer> answer;  ///< nothing if there is no map
-  std::optional<LiveMapState> mapped;     ///< if a map is being made
-  LiveTrajectory trajectory;              ///< where the camera was in the world so far
-  bool has_odometry = false;              ///< that has measured how the camera moved since the frame before
+  std::uint64_t number = 0;            ///< counts processed frames, from 1
+  double stamp = 0;                    ///< [s]; increases from frame to frame
+  SeenImage image;                     ///< at the working size; its name is the stamp
+  std::optional<Localization> answer;  ///< nothing if there is no map
+  std::optional<LiveMapState> mapped;  ///< if a map is being made
+  LiveTrajectory trajectory;           ///< where the camera was in the world so far
+  bool has_odometry = false;           ///< that has measured how the camera moved since the frame before
 
   double segment_ms = 0, features_ms = 0, localize_ms = 0;
   double age_ms = 0;           ///< time between the frame's arrival and the begin of its processing

@@ -54,7 +54,8 @@ private:
   ResultRow rowOf(const Hypothesis& best, const Map& map) const {
     Localization answer;
     answer.hypotheses = {best};
-    return resultRows(frame_, answer, map, 1, min_probability_).front();
+    answer.decide(min_probability_);
+    return resultRows(frame_, answer, map, 1).front();
   }
 
   /** Row of the camera that makes the map. */

@@ -111,7 +111,7 @@ double LiveSession::increasingStamp(double stamp) {
   if (summary_.processed > 0 && stamp + stamp_offset_ <= last_stamp_) {
     stamp_offset_ = last_stamp_ + kUsualInterval - stamp;
     relocalize_ = true;
-    T_o_c_.reset();
+    steps_.reset();
   }
   return last_stamp_ = stamp + stamp_offset_;
 }
@@ -119,10 +119,7 @@ double LiveSession::increasingStamp(double stamp) {
 /** Since the frame before, if it is known where the camera was then, and is now. */
 std::optional<Eigen::Isometry3d> LiveSession::motionSince(const LatestFrame<LiveFrame>::Arrived& arrived) {
   if (!options_.odometry) return {};
-  const std::optional<Eigen::Isometry3d> before =
-      std::exchange(T_o_c_, options_.odometry->at(arrived.frame.stamp, arrived.arrival));
-  if (!before || !T_o_c_) return {};
-  return Eigen::Isometry3d(before->inverse() * *T_o_c_);
+  return steps_.to(options_.odometry->at(arrived.frame.stamp, arrived.arrival));
 }
 
 /** Applies the robot's lines about the present pose of the camera. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/odometry_steps.h"
 #include "live/latest_frame.h"
 #include "live/live_mapping.h"
 #include "live/live_result.h"
@@ -108,7 +109,7 @@ private:
   std::unique_ptr<Localizer> localizer_;
   LiveTrajectory trajectory_;
   double last_stamp_ = 0, stamp_offset_ = 0;
-  std::optional<Eigen::Isometry3d> T_o_c_;                  // pose of the last frame in the odometry
+  internal::OdometrySteps steps_;
   LatestFrame<LiveFrame>::Clock::time_point first_, last_;  // arrivals of processed frames
 
   std::atomic<std::uint64_t> rounds_{0};

@@ -37,15 +37,18 @@ std::string vectorText(const Eigen::Vector3d& v, int decimals) {
 }  // namespace
 
 std::vector<ResultRow> resultRows(const std::string& frame, const Localization& answer, const Map& map,
-                                  int max_hypotheses, double min_probability) {
+                                  int max_hypotheses) {
   if (answer.hypotheses.empty()) return {noHypothesis(frame, answer.reason)};
   std::vector<ResultRow> rows;
   for (const Hypothesis& h : answer.hypotheses) {
     if (static_cast<int>(rows.size()) == max_hypotheses) break;
     rows.push_back(resultRow(frame, static_cast<int>(rows.size()) + 1, h, map));
-    rows.back().state = answer.state(min_probability);
-    rows.back().not_in_map = answer.notInMap();
+    rows.back().state = answer.state;
+    rows.back().not_in_map = answer.not_in_map;
   }
+  std::string& reason = rows.front().reason;
+  if (!reason.empty() && !answer.reason.empty()) reason += "; ";
+  reason += answer.reason;
   return rows;
 }
 

@@ -14,10 +14,9 @@
 namespace facetloc {
 
 /** \brief The lines of hypotheses.csv for one frame: at most max_hypotheses, or one of rank 0 with the
- * reason.
- * \param min_probability from which on the answer is sure */
+ * reason. */
 std::vector<ResultRow> resultRows(const std::string& frame, const Localization& answer, const Map& map,
-                                  int max_hypotheses, double min_probability = kMinProbability);
+                                  int max_hypotheses);
 /** \brief The line of a frame without an answer. */
 ResultRow noHypothesis(const std::string& frame, const std::string& reason);
 

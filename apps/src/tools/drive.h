@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "cli/app.h"
+#include "base/odometry_steps.h"
 
 #include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_image.h>
@@ -9,7 +9,6 @@
 
 #include <functional>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -32,7 +31,7 @@ private:
   PosesByTime odometry_;
   std::optional<CameraMounting> mounting_;
   OdometryError error_;
-  std::optional<Eigen::Isometry3d> T_o_before_;
+  internal::OdometrySteps steps_;
 };
 
 /** \brief Images of one drive, which are localized by each other, in their order. */
@@ -43,29 +42,19 @@ public:
       : localizer_(std::move(localizer)), motion_(std::move(motion)), smoothing_(smoothing) {}
 
   /** \brief The answer by all images up to this one. */
-  LocalizerAnswer add(std::size_t index, const View& view, double stamp);
+  Localization add(const View& view, double stamp);
 
-  /** \brief Receives the answer for an image. */
-  using Take = std::function<void(std::size_t index, const LocalizerAnswer& answer)>;
-  /** \brief The answers to each of its images by all of them.
-   * \param backward with the same map and parameters, has seen nothing yet
-   * \param name of an image, for messages; throws Stopped at Ctrl-C */
-  void smooth(Localizer& backward, const std::function<std::string(std::size_t index)>& name,
-              const Console& console, const Take& take) const;
+  /** \brief The answers to its images by all of them, in the order of add(). \param done is called after each
+   * image */
+  std::vector<Localization> smoothed(const std::function<void()>& done) const {
+    return localizer_.smoothed(views_, done);
+  }
 
 private:
-  struct Image {
-    std::size_t index;
-    double stamp;
-    View view;
-    std::optional<PoseWithCovariance> T_before_now;  // motion by odometry
-    LocalizerAnswer until_now;
-  };
-
   Localizer localizer_;
   MeasuredMotion motion_;
   bool smoothing_;
-  std::vector<Image> images_;
+  std::vector<DriveView> views_;
 };
 
 }  // namespace facetloc

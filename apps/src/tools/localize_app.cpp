@@ -4,6 +4,8 @@
 #include "base/text.h"
 #include "batch/batch.h"
 #include "cli/milliseconds.h"
+#include "cli/progress.h"
+#include "cli/stop_signal.h"
 #include "cli/text.h"
 #include "drawing/outputs.h"
 #include "inputs/localization_options.h"
@@ -34,21 +36,14 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 /** Localizes an image. */
-using Locate = std::function<LocalizerAnswer(std::size_t index, const View& view, double stamp)>;
+using Locate = std::function<Localization(const View& view, double stamp)>;
 
 Locate eachByItself(const std::shared_ptr<const Localizer>& localizer) {
-  return [localizer](std::size_t, const View& view, double) { return localizer->localize(view); };
+  return [localizer](const View& view, double) { return localizer->localize(view); };
 }
 
 Locate asOneDrive(Drive& drive) {
-  return
-      [&drive](std::size_t index, const View& view, double stamp) { return drive.add(index, view, stamp); };
-}
-
-/** Why a drive is not sure yet, although there are places. */
-void addRemark(ResultRow& row, const std::string& remark) {
-  if (!row.reason.empty() && !remark.empty()) row.reason += "; ";
-  row.reason += remark;
+  return [&drive](const View& view, double stamp) { return drive.add(view, stamp); };
 }
 
 /** ", first sure at image 5": how long a drive takes until it knows where it is. */
@@ -60,28 +55,16 @@ std::string firstSure(const std::vector<FrameResult>& results) {
   return fmt::format(", first sure at image {}", first - results.begin() + 1);
 }
 
-std::vector<ResultRow> rowsOf(const std::string& frame, const LocalizerAnswer& answer, const Map& map,
-                              int max_hypotheses) {
-  Localization localization;
-  localization.hypotheses = answer.hypotheses;
-  localization.reason = answer.reason;
-  auto rows = resultRows(frame, localization, map, max_hypotheses);
-  for (ResultRow& row : rows) row.state = answer.state, row.not_in_map = answer.not_in_map;
-  if (!answer.hypotheses.empty()) addRemark(rows.front(), answer.reason);
-  return rows;
-}
-
-LocalizedImage localizeFrame(std::size_t index, const FrameFile& file, const View& scene,
-                             const ViewBuilder& builder, const Locate& localize, const Map& map,
-                             int max_hypotheses) {
+LocalizedImage localizeFrame(const FrameFile& file, const View& scene, const ViewBuilder& builder,
+                             const Locate& localize, const Map& map, int max_hypotheses) {
   LocalizedImage image;
   auto& [result, traits] = image;
   const Clock::time_point start = Clock::now();
-  const LocalizerAnswer answer = localize(index, scene, file.stamp);
+  const Localization answer = localize(scene, file.stamp);
   result.stamp = file.stamp;
   result.timing = {file.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(),
                    millisecondsSince(start), static_cast<int>(map.models.size())};
-  result.rows = rowsOf(file.name, answer, map, max_hypotheses);
+  result.rows = resultRows(file.name, answer, map, max_hypotheses);
   traits = ViewTraits::of(scene);
   traits.noise = scene.noise();
   return image;
@@ -227,18 +210,24 @@ LocalizeApp::ImageBatch::Work LocalizeApp::imageWork(const Task& task, const std
             ViewBuilder& builder = (*builders)[worker];
             const View scene =
                 viewOf(task.sequence, images[i], input_.width, builder, gravity_.at(fileOf(i).stamp));
-            return localizeFrame(i, fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
+            return localizeFrame(fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
           }};
 }
 
-void LocalizeApp::smooth(const Task& task, Run& run, const Drive& drive, const Console& console) const {
-  const auto nameOf = [&](std::size_t i) { return task.frames()[run.todo[i]].name; };
-  Localizer backward = newLocalizer(task.map, threads());
-  drive.smooth(
-      backward, [&](std::size_t i) { return nameOf(i) + " once more"; }, console,
-      [&](std::size_t i, const LocalizerAnswer& answer) {
-        run.results[run.todo[i]].rows = rowsOf(nameOf(i), answer, *task.map, max_hypotheses_);
-      });
+/** \param localized the images of the drive */
+void LocalizeApp::smooth(const Task& task, Run& run, const std::vector<std::size_t>& localized,
+                         const Drive& drive, const Console& console) const {
+  Progress progress(console, localized.size());
+  const StopSignal stop;
+  std::size_t done = 0;
+  const std::vector<Localization> answers = drive.smoothed([&] {
+    if (stop.raised()) throw Stopped(done, localized.size());
+    ++done;
+    progress.step();
+  });
+  for (std::size_t i = 0; i < localized.size(); ++i)
+    run.results[localized[i]].rows =
+        resultRows(task.frames()[localized[i]].name, answers[i], *task.map, max_hypotheses_);
 }
 
 /** The images one after the other, several at a time. \param drive that smoothes, if any */
@@ -248,15 +237,16 @@ void LocalizeApp::localize(const Task& task, Run& run, ImageBatch& batch, const 
     run.writer->append(run.results[frame]);
     publish(frame, run.results[frame]);
   };
+  std::vector<std::size_t> localized;
   batch.run(run.todo, run.todo.size(),
             [&](std::size_t i, std::optional<LocalizedImage>&& image, const std::string& reason) {
               FrameResult& result = run.results[run.todo[i]];
-              if (image) run.views.push_back(image->second);
+              if (image) run.views.push_back(image->second), localized.push_back(run.todo[i]);
               result = image ? std::move(image->first) : failedFrame(task.frames()[run.todo[i]], reason);
               if (!smooth_) finish(run.todo[i]);  // else it is not the last word
             });
   if (smooth_) {
-    smooth(task, run, *drive, console);
+    smooth(task, run, localized, *drive, console);
     for (const std::size_t frame : run.todo) finish(frame);
   }
   std::vector<double> noise;
@@ -300,7 +290,7 @@ int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) co
               MeasuredMotion motion = measuredMotion(task);
               double way = 0;
               for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
-                const LocalizerAnswer answer =
+                const Localization answer =
                     from_here.update(views[i], frames[i].stamp, motion.until(frames[i].stamp));
                 way += answer.T_before_now.T.translation().norm();
                 StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};

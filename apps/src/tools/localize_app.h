@@ -42,7 +42,8 @@ private:
                              Drive* drive) const;
   void localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive, const Publish& publish,
                 const Console& console) const;
-  void smooth(const Task& task, Run& run, const Drive& drive, const Console& console) const;
+  void smooth(const Task& task, Run& run, const std::vector<std::size_t>& localized, const Drive& drive,
+              const Console& console) const;
   Localizer newLocalizer(const std::shared_ptr<const Map>& map, int threads) const;
   MeasuredMotion measuredMotion(const Task& task) const;
   int localizeFromStarts(const Task& task, const Console& console) const;

@@ -140,7 +140,7 @@ int MapCalibrateApp::ask(const std::shared_ptr<const Map>& map, const CommandLin
   batch.run([&](std::size_t i) { return sequence.frames()[asked[i].frame].path.string(); },
             [&](std::size_t i, int worker) {
               const View view = viewOf(sequence, asked[i].frame, input_.width, builders[worker]);
-              const LocalizerAnswer found = localizer.localize(view);
+              const Localization found = localizer.localize(view);
               answers[i] = {0, false};
               if (found.hypotheses.empty()) return;
               const Hypothesis& best = found.hypotheses.front();

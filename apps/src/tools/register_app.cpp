@@ -95,22 +95,22 @@ int RegisterApp::execute(const CommandLine& line, const Console& console) {
   noteDifference(source_camera, map, console);
 
   const Clock::time_point start = Clock::now();
-  const Localization answer = registration.align(scene);
+  Localization answer = registration.align(scene);
   const double milliseconds = millisecondsSince(start);
+  answer.decide(min_probability_);
 
   const FrameFile& frame = source.frames()[0];
   FrameResult result;
   result.stamp = frame.stamp;
-  result.rows = resultRows(frame.name, answer, map, max_hypotheses_, min_probability_);
+  result.rows = resultRows(frame.name, answer, map, max_hypotheses_);
   result.timing = {frame.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(), milliseconds,
                    1};
-  const AnswerState state = answer.state(min_probability_);
   const bool has_pose = !answer.hypotheses.empty();
   if (has_pose) printPoses(console.out, result.rows);
-  console.out << toString(state);
-  if (state == AnswerState::unknown)
+  console.out << toString(answer.state);
+  if (answer.state == AnswerState::unknown)
     console.out << ": " << (has_pose ? "the views more likely show different places" : answer.reason);
-  if (state == AnswerState::doubtful) console.out << ": no pose is likely enough to act on it";
+  if (answer.state == AnswerState::doubtful) console.out << ": no pose is likely enough to act on it";
   console.out << "\n";
   console.out << fmt::format("{}, {}, registered in {:.1f} ms",
                              counted(scene.segments.size(), "source segment"),

@@ -4,7 +4,8 @@
 #include "cli/app.h"
 #include "inputs/depth_input.h"
 
-#include <facetloc/localization/global_localization.h>
+#include <facetloc/features/answer_state.h>
+#include <facetloc/localization/localization_params.h>
 
 #include <filesystem>
 

@@ -15,6 +15,7 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/localization/localizer.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -51,8 +52,9 @@ public:
   void localizeIn(const std::shared_ptr<const Map>& map, const GlobalLocalizationParams& params, int threads,
                   int max_hypotheses) {
     builder_ = ViewBuilder(map->calibrated(camera_), view_);
-    localization_.emplace(map, params);
-    localization_->setNumberOfThreads(threads);
+    map_ = map;
+    localizer_.emplace(map, LocalizerParams(), params);
+    localizer_->setNumberOfThreads(threads);
     max_hypotheses_ = max_hypotheses;
   }
 
@@ -61,15 +63,15 @@ public:
     const SeenImage image = sequence_.ofSegments()
                                 ? seeSegments(file.name, viewOf(sequence_, index, width_, builder_))
                                 : see(file.name, sequence_.load(index, width_), builder_);
-    if (localization_)
-      drawMatches(path, image, localization_->map(), answers(image, file.stamp));
+    if (localizer_)
+      drawMatches(path, image, *map_, answers(image, file.stamp));
     else
       drawSegmentation(path, image);
   }
 
 private:
   std::vector<DrawnMatch> answers(const SeenImage& image, double stamp) const {
-    const Localization answer = localization_->localize(image.view);
+    const Localization answer = localizer_->localize(image.view);
     if (answer.hypotheses.empty())
       return {{-1, Eigen::Isometry3d::Identity(), "no hypothesis: " + answer.reason}};
     const auto truth = sequence_.groundTruth().at(stamp);
@@ -78,7 +80,7 @@ private:
       const std::size_t rank = drawn.size() + 1;
       if (static_cast<int>(rank) > max_hypotheses_) break;
       std::string caption = fmt::format("rank {}, probability {:.2f}", rank, h.probability);
-      if (truth && h.T_w_c && h.part == 0 && hasGivenPose(localization_->map())) {
+      if (truth && h.T_w_c && h.part == 0 && hasGivenPose(*map_)) {
         const PoseError error = poseError(*h.T_w_c, *truth);
         caption +=
             fmt::format(": {:.3f} m and {:.2f}° from the truth", error.translation, error.rotation_deg);
@@ -93,7 +95,8 @@ private:
   const Camera camera_;
   const ViewParams view_;
   ViewBuilder builder_;
-  std::optional<GlobalLocalization> localization_;
+  std::shared_ptr<const Map> map_;
+  std::optional<Localizer> localizer_;
   int max_hypotheses_ = 1;
 };
 

@@ -5,7 +5,7 @@
 #include "evaluation/evaluation.h"
 #include "inputs/depth_input.h"
 
-#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/localization_params.h>
 
 #include <string>
 

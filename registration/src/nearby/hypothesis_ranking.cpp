@@ -319,11 +319,13 @@ void assignProbabilities(double slope, double null_score, std::vector<Hypothesis
 }
 
 void concludePose(const PoseLimits& limits, Localization& answer) {
-  if (answer.hypotheses.empty()) return;
-  const Hypothesis& first = answer.hypotheses.front();
-  answer.fixes_pose = limits.hold(first.T_m_c.P);
-  if (!answer.fixes_pose)
-    answer.reason = limits.whyNotFixed(first.T_m_c.P, first.T_m_c.T.linear().transpose());
+  if (!answer.hypotheses.empty()) {
+    const Hypothesis& first = answer.hypotheses.front();
+    answer.fixes_pose = limits.hold(first.T_m_c.P);
+    if (!answer.fixes_pose)
+      answer.reason = limits.whyNotFixed(first.T_m_c.P, first.T_m_c.T.linear().transpose());
+  }
+  answer.decide();
 }
 
 ScoreOdds oddsOfPair(const RegistrationParams& params, bool evidence) {

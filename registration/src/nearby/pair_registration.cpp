@@ -145,7 +145,8 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
     answer.hypotheses = impl_->registration.align(query, *impl_->target, prior, chosen);
   const std::vector<Hypothesis> by_planes = answer.hypotheses;
   rankAll(impl_->ranking, view, answer.hypotheses);
-  if (answer.state() != AnswerState::sure) {
+  answer.decide();
+  if (answer.state != AnswerState::sure) {
     const std::vector<Hypothesis> coarse = impl_->coarsePoses(query, prior, chosen);
     if (!coarse.empty()) {
       answer.hypotheses = by_planes;
@@ -160,6 +161,7 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
     answer.reason = "the depth of the two views disagrees at this pose";
   }
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
+  answer.decide();
   return answer;
 }
 

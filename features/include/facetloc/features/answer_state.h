@@ -39,6 +39,32 @@ constexpr const char* toString(AnswerState state) {
   return "unknown";
 }
 
+/** \brief State of a moving camera in its map, for live programs. */
+enum class TrackingState {
+  searching,   ///< no place has been sure since the start
+  localized,   ///< a place has become sure with this view
+  tracking,    ///< the place is sure as it was before
+  degenerate,  ///< the place is known, but not sure with this view; the reason tells why
+  lost         ///< there was a sure place, and no place is likely any more
+};
+
+/** \brief "searching", "localized", "tracking", "cannot tell", "lost". */
+constexpr const char* stateName(TrackingState state) {
+  switch (state) {
+  case TrackingState::searching:
+    return "searching";
+  case TrackingState::localized:
+    return "localized";
+  case TrackingState::tracking:
+    return "tracking";
+  case TrackingState::degenerate:
+    return "cannot tell";
+  case TrackingState::lost:
+    break;
+  }
+  return "lost";
+}
+
 /** \brief The state of that name; nothing for another word. */
 constexpr std::optional<AnswerState> answerStateOf(std::string_view name) {
   for (const AnswerState state : {AnswerState::sure, AnswerState::doubtful, AnswerState::unknown})

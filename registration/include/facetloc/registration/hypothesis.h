@@ -46,27 +46,45 @@ struct Hypothesis {
   double probability = 0;  ///< probability of this place; 0 for a near-duplicate of a better pose
 };
 
-/** \brief The answer of localization or registration: a ranked list, or the reason why it is empty. */
+/** \brief The answer of localization or registration: a ranked list, how far it can be relied on, and why not
+ * farther. */
 struct Localization {
-  std::vector<Hypothesis> hypotheses;  ///< best first
-  std::string reason;                  ///< cause of an empty list, or of a pose that is not fixed; else empty
-  CameraDifference camera;             ///< how the view's camera differs from the map's
-  bool has_probabilities = true;       ///< false if scores are overlaps, whose probabilities mean nothing
-  bool fixes_pose = true;              ///< the covariance of the first pose is within PoseLimits
+  AnswerState state = AnswerState::unknown;
+  /** \brief Most probable first, with poses of this view in the frames of their parts of the map. */
+  std::vector<Hypothesis> hypotheses;
+  /** \brief Probability that the map lacks the place: 1 minus those of all hypotheses. Empty with
+   * score.by_overlap, whose scores have no probabilities. */
+  std::optional<double> not_in_map = 1;
+  std::string reason;             ///< why it is not sure; empty if it is
+  bool searched = false;          ///< the whole map, which takes its time
+  CameraDifference camera;        ///< how the view's camera differs from the map's
+  bool has_probabilities = true;  ///< false if scores are overlaps, whose probabilities mean nothing
+  bool fixes_pose = true;         ///< the covariance of the first pose is within PoseLimits
 
-  /** \brief Probability that the map lacks the place: 1 minus those of all hypotheses. Empty without
+  /** \name Of a moving camera. */
+  /// @{
+  TrackingState tracking = TrackingState::searching;
+  /** \brief The pose of the first hypothesis in the frame of its part, with the covariance of a left,
+   * decoupled perturbation (pose.h); nothing while searching or lost. */
+  std::optional<PoseWithCovariance> T_w_c;
+  bool began_anew = false;          ///< all earlier views are forgotten; the reason says why
+  int looks = 0;                    ///< informative views since everything began anew
+  PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
+  /// @}
+
+  /** \brief The one rule: stateOf() the first hypothesis; unknown without one, at most doubtful without
    * probabilities. */
-  std::optional<double> notInMap() const {
-    if (!has_probabilities) return {};
+  AnswerState stateAt(double min_probability) const {
+    if (hypotheses.empty()) return AnswerState::unknown;
+    if (!not_in_map) return AnswerState::doubtful;
+    return stateOf(hypotheses.front().probability, fixes_pose, *not_in_map, min_probability);
+  }
+  /** \brief Sets not_in_map by the probabilities of the hypotheses, and the state. */
+  void decide(double min_probability = kMinProbability) {
     double left = 1;
     for (const Hypothesis& h : hypotheses) left -= h.probability;
-    return std::max(0.0, left);
-  }
-  /** \brief The state by stateOf(); unknown without a hypothesis, at most doubtful without probabilities. */
-  AnswerState state(double min_probability = kMinProbability) const {
-    if (hypotheses.empty()) return AnswerState::unknown;
-    if (!has_probabilities) return AnswerState::doubtful;
-    return stateOf(hypotheses.front().probability, fixes_pose, *notInMap(), min_probability);
+    not_in_map = has_probabilities ? std::optional(std::max(0.0, left)) : std::nullopt;
+    state = stateAt(min_probability);
   }
 };
 

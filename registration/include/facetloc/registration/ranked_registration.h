@@ -144,7 +144,7 @@ public:
    */
   double getProbability() const;
   /** \brief Sure, doubtful or unknown. */
-  AnswerState getState() const { return answer_.state(min_probability_); }
+  AnswerState getState() const { return answer_.stateAt(min_probability_); }
   /** \brief As PCL's, the mean squared distance of the aligned source from its nearest points of the target
    * [m^2], over an even sample of the source: in tens of milliseconds. Through a pointer to PCL's class, all
    * points are asked. */

@@ -4,9 +4,9 @@
 #include "belief/smoothed_places.h"
 #include "motion/camera_motion.h"
 #include "poses/pose_radius.h"
+#include "ranking/global_localization.h"
 
 #include <facetloc/features/sure_threshold.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/segmentation/view_builder.h>
 
@@ -39,22 +39,6 @@ void requireProbabilities(const GlobalLocalizationParams& params) {
 
 }  // namespace
 
-const char* stateName(TrackingState state) {
-  switch (state) {
-  case TrackingState::searching:
-    return "searching";
-  case TrackingState::localized:
-    return "localized";
-  case TrackingState::tracking:
-    return "tracking";
-  case TrackingState::degenerate:
-    return "cannot tell";
-  case TrackingState::lost:
-    return "lost";
-  }
-  return "";
-}
-
 struct Localizer::Impl {
   Impl(const std::shared_ptr<const Map>& the_map, const LocalizerParams& the_params,
        const GlobalLocalizationParams& the_localization)
@@ -81,7 +65,7 @@ struct Localizer::Impl {
     bool is_doubted = false, is_contradicted = false;  // the map contradicts the place that is followed
   };
 
-  LocalizerAnswer update(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
+  Localization update(View&& view, double stamp, const std::optional<PoseWithCovariance>& given);
   void move(Step& step, double dt, const std::optional<PoseWithCovariance>& given);
   void see(Step& step);
   void follow(Step& step);
@@ -97,15 +81,15 @@ struct Localizer::Impl {
   bool isFirst(const Hypothesis& h) const;
   void hear(const Localization& found);
   PoseWithCovariance poseOf(const Hypothesis& h) const;
-  void list(const PlaceBelief& of, LocalizerAnswer& out) const;
-  LocalizerAnswer localizeNear(const View& view, const PoseWithCovariance& T_w_c, int part) const;
+  void list(const PlaceBelief& of, Localization& out) const;
+  Localization localizeNear(const View& view, const PoseWithCovariance& T_w_c, int part) const;
   void requirePart(const PoseWithCovariance& T_w_c, int part) const;
-  LocalizerAnswer answer(const Step& step);
-  void share(double of_first, LocalizerAnswer& answer) const;
-  void doubt(LocalizerAnswer& answer) const;
-  void conclude(LocalizerAnswer& answer) const;
-  bool isKnown(const LocalizerAnswer& answer) const;
-  void track(LocalizerAnswer& answer);
+  Localization answer(const Step& step);
+  void share(double of_first, Localization& answer) const;
+  void doubt(Localization& answer) const;
+  void conclude(Localization& answer) const;
+  bool isKnown(const Localization& answer) const;
+  void track(Localization& answer);
 
   std::shared_ptr<const Map> map;
   LocalizerParams params;
@@ -155,15 +139,15 @@ bool Localizer::Impl::isSure() const {
 
 // Is a single view sure of a place?
 bool Localizer::Impl::isSure(const Localization& found) const {
-  return found.state(min_probability) == AnswerState::sure && found.hypotheses.front().T_w_c;
+  return found.stateAt(min_probability) == AnswerState::sure && found.hypotheses.front().T_w_c;
 }
 
 PoseWithCovariance Localizer::Impl::poseOf(const Hypothesis& h) const {
   return *localization.map().models[h.model].T_w_m * h.T_m_c;
 }
 
-LocalizerAnswer Localizer::Impl::update(View&& view, double now,
-                                        const std::optional<PoseWithCovariance>& given) {
+Localization Localizer::Impl::update(View&& view, double now,
+                                     const std::optional<PoseWithCovariance>& given) {
   requireProbabilities(localization_params);
   Step step;
   step.view = std::make_shared<const View>(std::move(view));
@@ -286,7 +270,7 @@ void Localizer::Impl::lookAround(Step& step) {
 }
 
 // The places of a belief, most probable first.
-void Localizer::Impl::list(const PlaceBelief& of, LocalizerAnswer& out) const {
+void Localizer::Impl::list(const PlaceBelief& of, Localization& out) const {
   double left = 1;
   for (const BelievedPlace& place : of.places()) {
     Hypothesis h = place.match;
@@ -303,8 +287,8 @@ void Localizer::Impl::list(const PlaceBelief& of, LocalizerAnswer& out) const {
 
 // A belief of its own, that begins there, takes the view. The given pose counts as an observation: with the
 // view, they are two that agree.
-LocalizerAnswer Localizer::Impl::localizeNear(const View& view, const PoseWithCovariance& T_w_c,
-                                              int part) const {
+Localization Localizer::Impl::localizeNear(const View& view, const PoseWithCovariance& T_w_c,
+                                           int part) const {
   requireProbabilities(localization_params);
   requirePart(T_w_c, part);
   PlaceBelief near(map, localization_params, params);
@@ -312,7 +296,7 @@ LocalizerAnswer Localizer::Impl::localizeNear(const View& view, const PoseWithCo
   near.inject(part, T_w_c, params.most_log_odds);
   const Localization found = localization.localize(view, std::function<bool(int)>());
   near.look(std::make_shared<const View>(view), &found);
-  LocalizerAnswer out;
+  Localization out;
   list(near, out);
   out.searched = true;
   conclude(out);
@@ -331,8 +315,8 @@ void Localizer::Impl::requirePart(const PoseWithCovariance& T_w_c, int part) con
     throw std::invalid_argument("the map has no such part with poses");
 }
 
-LocalizerAnswer Localizer::Impl::answer(const Step& step) {
-  LocalizerAnswer out;
+Localization Localizer::Impl::answer(const Step& step) {
+  Localization out;
   list(belief, out);
   out.searched = step.searched;
   out.began_anew = !step.anew.empty();
@@ -352,7 +336,7 @@ LocalizerAnswer Localizer::Impl::answer(const Step& step) {
 }
 
 // Gives the first place a probability; the others and nowhere share the rest.
-void Localizer::Impl::share(double of_first, LocalizerAnswer& answer) const {
+void Localizer::Impl::share(double of_first, Localization& answer) const {
   const double scale = (1 - of_first) / (1 - answer.hypotheses.front().probability);
   for (Hypothesis& h : answer.hypotheses) h.probability *= scale;
   answer.hypotheses.front().probability = of_first;
@@ -360,7 +344,7 @@ void Localizer::Impl::share(double of_first, LocalizerAnswer& answer) const {
 }
 
 // A place that the view contradicts is as likely as not, until the whole map has been asked.
-void Localizer::Impl::doubt(LocalizerAnswer& answer) const {
+void Localizer::Impl::doubt(Localization& answer) const {
   constexpr double kContradicted = 0.5;
   double sum = 0;
   for (Hypothesis& h : answer.hypotheses) sum += h.probability *= kContradicted;
@@ -368,7 +352,7 @@ void Localizer::Impl::doubt(LocalizerAnswer& answer) const {
 }
 
 // The state, and why it is not sure.
-void Localizer::Impl::conclude(LocalizerAnswer& answer) const {
+void Localizer::Impl::conclude(Localization& answer) const {
   if (answer.hypotheses.empty()) {
     answer.reason = "no place agrees with the views";
     return;
@@ -376,7 +360,8 @@ void Localizer::Impl::conclude(LocalizerAnswer& answer) const {
   const PoseLimits& limits = localization_params.sure;
   const Hypothesis& best = answer.hypotheses.front();
   const Matrix6d P = poseOf(best).P;
-  answer.state = stateOf(best.probability, limits.hold(P), *answer.not_in_map, min_probability);
+  answer.fixes_pose = limits.hold(P);
+  answer.state = answer.stateAt(min_probability);
   answer.reason.clear();
   if (answer.state == AnswerState::unknown)
     answer.reason = kNotInMap;
@@ -387,7 +372,7 @@ void Localizer::Impl::conclude(LocalizerAnswer& answer) const {
 }
 
 // No more of the pose is unknown than of one that is beside a local model (paper II.B).
-bool Localizer::Impl::isKnown(const LocalizerAnswer& answer) const {
+bool Localizer::Impl::isKnown(const Localization& answer) const {
   if (answer.hypotheses.empty() || answer.hypotheses.front().probability < kLikely) return false;
   const Matrix6d P = poseOf(answer.hypotheses.front()).P;
   return largestTranslationStd(P) <= localization_params.prior.translation_std &&
@@ -395,7 +380,7 @@ bool Localizer::Impl::isKnown(const LocalizerAnswer& answer) const {
 }
 
 // The state for live programs: a place is known from when it is sure on, as long as it is likely.
-void Localizer::Impl::track(LocalizerAnswer& answer) {
+void Localizer::Impl::track(Localization& answer) {
   const bool sure = answer.state == AnswerState::sure;
   const bool was_followed = is_known && !answer.began_anew;
   is_known = sure || (was_followed && isKnown(answer));
@@ -417,39 +402,51 @@ Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 Localizer::~Localizer() = default;
 
-LocalizerAnswer Localizer::localize(const View& view) const {
-  Localization found = impl_->localization.localize(view);
-  LocalizerAnswer out;
-  out.state = found.state(impl_->min_probability);
-  out.not_in_map = found.notInMap();
-  out.hypotheses = std::move(found.hypotheses);
-  out.reason = std::move(found.reason);
+Localization Localizer::localize(const View& view) const {
+  Localization out = impl_->localization.localize(view);
+  out.decide(impl_->min_probability);
   if (out.state == AnswerState::unknown && !out.hypotheses.empty()) out.reason = kNotInMap;
   if (out.state == AnswerState::doubtful && !out.reason.empty())
     out.reason = out.hypotheses.front().probability >= impl_->min_probability ? kPlaceKnown + out.reason : "";
   out.searched = true;
   return out;
 }
-LocalizerAnswer Localizer::localize(const View& view, const PoseWithCovariance& T_w_c, int part) const {
+Localization Localizer::localize(const View& view, const PoseWithCovariance& T_w_c, int part) const {
   return impl_->localizeNear(view, T_w_c, part);
 }
-LocalizerAnswer Localizer::update(View view, double stamp, const std::optional<PoseWithCovariance>& motion) {
+Localization Localizer::update(View view, double stamp, const std::optional<PoseWithCovariance>& motion) {
   return impl_->update(std::move(view), stamp, motion);
 }
-LocalizerAnswer Localizer::update(const DepthImage& image, double stamp,
-                                  const std::optional<PoseWithCovariance>& motion) {
+Localization Localizer::update(const DepthImage& image, double stamp,
+                               const std::optional<PoseWithCovariance>& motion) {
   Camera seen = impl_->camera;
   seen.intrinsics = image.camera;
   if (!impl_->builder || !(impl_->builder->camera().intrinsics == seen.intrinsics))
     impl_->builder.emplace(impl_->localization.map().calibrated(seen), ViewParams(), kWorkingWidth);
   return impl_->update(impl_->builder->build(image), stamp, motion);
 }
-LocalizerAnswer Localizer::smoothed(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
-                                    const PoseWithCovariance& T_now_next) const {
+std::vector<Localization> Localizer::smoothed(const std::vector<DriveView>& drive,
+                                              const std::function<void()>& done) const {
+  Localizer backward(impl_->map, impl_->params, impl_->localization_params);
+  backward.setNumberOfThreads(impl_->threads);
+  const std::size_t n = drive.size();
+  std::vector<Localization> from_here(n);
+  for (std::size_t i = n; i-- > 0;) {
+    std::optional<PoseWithCovariance> motion;  // back from the next view
+    if (i + 1 < n && drive[i + 1].motion) motion = inverse(*drive[i + 1].motion);
+    from_here[i] = backward.update(drive[i].view, -drive[i].stamp, motion);
+    if (done) done();
+  }
   const double prior = -impl_->localization_params.probability.priorLogOdds();
-  LocalizerAnswer out = smoothedPlaces(until_now, from_next, T_now_next, prior);
-  impl_->conclude(out);
-  return out;
+  std::vector<Localization> by_all;
+  for (std::size_t i = 0; i < n; ++i) {
+    by_all.push_back(drive[i].answer);
+    if (i + 1 == n || drive[i + 1].answer.began_anew)
+      continue;  // nothing that comes later is known to be near
+    by_all[i] = smoothedPlaces(drive[i].answer, from_here[i + 1], drive[i + 1].answer.T_before_now, prior);
+    impl_->conclude(by_all[i]);
+  }
+  return by_all;
 }
 void Localizer::setCamera(const Camera& camera) {
   impl_->camera = camera;

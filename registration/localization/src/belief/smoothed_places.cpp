@@ -27,7 +27,7 @@ struct Place {
 
 Eigen::Isometry3d modelPose(const Hypothesis& h) { return *h.T_w_c * h.T_m_c.T.inverse(); }
 
-std::vector<Place> placesOf(const LocalizerAnswer& answer) {
+std::vector<Place> placesOf(const Localization& answer) {
   std::vector<Place> places;
   const double nowhere = std::max(answer.not_in_map.value_or(1), kNowhereLeft);
   for (const Hypothesis& h : answer.hypotheses)
@@ -51,8 +51,8 @@ double oddsOfUnlisted(const std::vector<Place>& list) {
 
 }  // namespace
 
-LocalizerAnswer smoothedPlaces(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
-                               const PoseWithCovariance& T_now_next, double prior) {
+Localization smoothedPlaces(const Localization& until_now, const Localization& from_next,
+                            const PoseWithCovariance& T_now_next, double prior) {
   std::vector<Place> places = placesOf(until_now), later = placesOf(from_next);
   const double unlisted = oddsOfUnlisted(places), unlisted_later = oddsOfUnlisted(later);
   const PoseWithCovariance T_next_now = inverse(T_now_next);
@@ -80,7 +80,7 @@ LocalizerAnswer smoothedPlaces(const LocalizerAnswer& until_now, const Localizer
   double sum = 1;
   for (const Place& place : places) sum += std::exp(place.log_odds);
 
-  LocalizerAnswer out;
+  Localization out;
   out.not_in_map = 1 / sum;
   out.looks = until_now.looks + from_next.looks - 1;  // views next to each other tell the same
   out.T_before_now = until_now.T_before_now;

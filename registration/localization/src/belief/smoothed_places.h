@@ -8,7 +8,7 @@ namespace facetloc::internal {
 /** \brief The places of a view by the views up to it and by those from the next one on (METHOD 16.7): most
  * probable first, with `nowhere` and `looks`; state and reason are left to the caller.
  * \param prior log odds that the map holds a place, which both answers have in them [nats] */
-LocalizerAnswer smoothedPlaces(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
-                               const PoseWithCovariance& T_now_next, double prior);
+Localization smoothedPlaces(const Localization& until_now, const Localization& from_next,
+                            const PoseWithCovariance& T_now_next, double prior);
 
 }  // namespace facetloc::internal

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ranking/global_localization.h"
+
 #include "pairs/mounting_check.h"
 #include "pairs/view_registration.h"
 #include "ranking/place_ranking.h"
@@ -6,7 +8,6 @@
 #include "threads/in_parallel.h"
 
 #include <facetloc/features/map_surfaces.h>
-#include <facetloc/localization/global_localization.h>
 
 #include <Eigen/Cholesky>
 
@@ -209,7 +210,7 @@ Localization GlobalLocalization::localize(const View& view) const {
       const PoseWithCovariance turned{quarterTurns(quarter), impl_->anywhere.P};
       if (shows_floor && !showsFloor(view, turned.T)) continue;
       Localization otherwise = impl_->localize(Query(view, turned), answer.camera, {});
-      const bool is_better = otherwise.state() == AnswerState::sure &&
+      const bool is_better = otherwise.state == AnswerState::sure &&
                              (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
                                                                answer.hypotheses.front().score + kMuchBetter);
       if (!is_better) continue;
@@ -243,6 +244,7 @@ Localization GlobalLocalization::Impl::localize(const Query& query, const Camera
     if (isSure(answer)) break;
   }
   answer.camera = camera;
+  answer.decide();
   return answer;
 }
 

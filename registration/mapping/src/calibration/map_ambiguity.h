@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/localization/global_localization.h>
+#include "ranking/global_localization.h"
 
 #include <functional>
 #include <optional>

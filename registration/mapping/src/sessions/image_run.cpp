@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/image_run.h"
 
+#include "base/odometry_steps.h"
+
 #include <facetloc/registration/pair_registration.h>
 
 #include <algorithm>
@@ -40,7 +42,7 @@ std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImag
   const PairRegistration target(viewOf(first));
   for (std::size_t gap = 1; first + gap < images.size(); gap *= 2) {
     const Localization answer = target.align(viewOf(first + gap));
-    if (answer.state() != AnswerState::sure) break;
+    if (answer.state != AnswerState::sure) break;
     const Eigen::Isometry3d& T = answer.hypotheses.front().T_m_c.T;
     const double turn = rotationAngle(T.linear()), way = T.translation().norm();
     if (turn > kLeastTurn || way > kLeastWay)
@@ -49,27 +51,6 @@ std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImag
   }
   return motions;
 }
-
-/** Motion from image to image by an odometry, where it knows both. */
-class OdometrySteps {
-public:
-  explicit OdometrySteps(const PosesByTime& poses) : poses_(poses) {}
-
-  std::optional<Eigen::Isometry3d> to(double stamp) {
-    const auto now = poses_ ? poses_(stamp) : std::nullopt;
-    std::optional<Eigen::Isometry3d> motion;
-    if (now && before_) motion = before_->inverse() * *now;
-    before_ = now;
-    unknown_ += !now;
-    return motion;
-  }
-  std::size_t unknown() const { return poses_ ? unknown_ : 0; }
-
-private:
-  const PosesByTime& poses_;
-  std::optional<Eigen::Isometry3d> before_;
-  std::size_t unknown_ = 0;
-};
 
 }  // namespace
 
@@ -126,13 +107,15 @@ void ImageRun::buildViews(const std::vector<std::size_t>& numbers, Stage of_prog
 CameraTrajectory ImageRun::findTrajectory(const MappingParams& params, MapFindings& findings) const {
   TrajectoryEstimation estimation(params);
   estimation.setNumberOfThreads(threads);
-  OdometrySteps steps(odometry);
+  OdometrySteps steps;
   findings.unread.clear();
+  findings.without_odometry = 0;
   buildViews(all(), Stage::trajectory, findings.unread, [&](std::size_t i, std::optional<View> built) {
-    estimation.add(built ? std::move(*built) : View(), images[i].stamp, steps.to(images[i].stamp));
+    const auto T_o_c = odometry ? odometry(images[i].stamp) : std::nullopt;
+    findings.without_odometry += odometry && !T_o_c;
+    estimation.add(built ? std::move(*built) : View(), images[i].stamp, steps.to(T_o_c));
   });
   if (findings.noneRead(images.size())) return {};
-  findings.without_odometry = steps.unknown();
   estimation.improve([this](double share) {
     if (progress) progress({Stage::loops, static_cast<std::size_t>(std::lround(100 * share)), 100});
   });

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ranking/global_localization.h"
 #include "sessions/parallel_stage.h"
 
 #include <facetloc/features/rendered_views.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/own_views.h>
 
 #include <vector>
@@ -34,7 +34,7 @@ void addOwnViews(const std::shared_ptr<const Map>& map, SureCalibration& calibra
     bool right = false;
   };
   std::vector<Answer> answers(asked.size());
-  const GlobalLocalization localization(map, params);
+  const internal::GlobalLocalization localization(map, params);
   internal::ParallelStage stage(MapProgress::Stage::ambiguity, asked.size(), threads, progress);
   stage.run([&](std::size_t i) {
     const LocalModel& model = map->models[asked[i]];

@@ -40,7 +40,7 @@ std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
   std::vector<std::optional<PoseWithCovariance>> T_w_c(n);
   ParallelStage(MapProgress::Stage::place, n, threads, progress).run([&](std::size_t k) {
     const Localization answer = localization.localize(*trajectory.keyframes[k].view);
-    if (answer.state() == AnswerState::sure && answer.hypotheses.front().T_w_c) {
+    if (answer.state == AnswerState::sure && answer.hypotheses.front().T_w_c) {
       const Hypothesis& h = answer.hypotheses.front();
       const Eigen::Isometry3d T_w_m = *h.T_w_c * h.T_m_c.T.inverse();
       PoseWithCovariance T = T_w_m * h.T_m_c;

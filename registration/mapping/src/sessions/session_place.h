@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "ranking/global_localization.h"
+
 #include <facetloc/mapping/map_session.h>
 
 namespace facetloc::internal {

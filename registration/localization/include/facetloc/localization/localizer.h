@@ -2,11 +2,11 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/features/organized_cloud.h>
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/localizer_params.h>
 #include <facetloc/registration/hypothesis.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,39 +14,12 @@
 
 namespace facetloc {
 
-/** \brief State of a moving camera in its map, for live programs. */
-enum class TrackingState {
-  searching,   ///< no place has been sure since the start
-  localized,   ///< a place has become sure with this view
-  tracking,    ///< the place is sure as it was before
-  degenerate,  ///< the place is known, but not sure with this view; the reason tells why
-  lost         ///< there was a sure place, and no place is likely any more
-};
-
-/** \brief "searching", "localized", "tracking", "cannot tell", "lost". */
-const char* stateName(TrackingState state);
-
-/** \brief Where a view, or a moving camera, is in a map. */
-struct LocalizerAnswer {
-  AnswerState state = AnswerState::unknown;
-  /** \brief Most probable first, with poses of this view in the frames of their parts of the map. */
-  std::vector<Hypothesis> hypotheses;
-  /** \brief Probability that the map lacks the place: 1 minus those of all hypotheses. Empty with
-   * score.by_overlap, whose scores have no probabilities. */
-  std::optional<double> not_in_map = 1;
-  std::string reason;     ///< why it is not sure; empty if it is
-  bool searched = false;  ///< the whole map, which takes its time
-
-  /** \name Of a moving camera. */
-  /// @{
-  TrackingState tracking = TrackingState::searching;
-  /** \brief The pose of the first hypothesis in the frame of its part, with the covariance of a left,
-   * decoupled perturbation (pose.h); nothing while searching or lost. */
-  std::optional<PoseWithCovariance> T_w_c;
-  bool began_anew = false;          ///< all earlier views are forgotten; the reason says why
-  int looks = 0;                    ///< informative views since everything began anew
-  PoseWithCovariance T_before_now;  ///< how the camera has moved, as far as that is known
-  /// @}
+/** \brief A view of a drive, as Localizer::update() took it, and its answer. */
+struct DriveView {
+  View view;
+  double stamp = 0;                          ///< [s]
+  std::optional<PoseWithCovariance> motion;  ///< as it was given, T_before_now
+  Localization answer;                       ///< the views up to this one decide
 };
 
 /** \brief Localizes a camera in a map: from one view, or from all views of a moving camera so far, where
@@ -54,7 +27,7 @@ struct LocalizerAnswer {
  *
  *     facetloc::Localizer localizer(map);
  *     for (...) {
- *       const facetloc::LocalizerAnswer answer = localizer.update(builder.build(image), stamp);
+ *       const facetloc::Localization answer = localizer.update(builder.build(image), stamp);
  *       if (answer.state == facetloc::AnswerState::sure) use(*answer.T_w_c);
  *     }
  *
@@ -77,11 +50,11 @@ public:
   ~Localizer();
 
   /** \brief The place of a single view. Remembers nothing; thread-safe. */
-  LocalizerAnswer localize(const View& view) const;
+  Localization localize(const View& view) const;
   /** \brief The place of a single view with a given approximate pose: a prior that decides among places that
    * look the same. A view that contradicts it is believed more. Throws the exceptions of setPose(), and
    * std::logic_error with score.by_overlap. \param T_w_c in the frame of the part \param part of the map */
-  LocalizerAnswer localize(const View& view, const PoseWithCovariance& T_w_c, int part = 0) const;
+  Localization localize(const View& view, const PoseWithCovariance& T_w_c, int part = 0) const;
 
   /** \brief Takes the next view of a moving camera. Any view and any stamp [s] have an answer. A stamp that
    * goes back starts anew, and so does a view that has nothing in common with the one before, unless an
@@ -89,29 +62,16 @@ public:
    * \param motion of the camera since the view before, T_before_now, with its covariance: of a robot's
    * wheels, for instance (motionByOdometry()); one that is not finite is none
    * Throws std::logic_error with score.by_overlap, whose scores have no probabilities. */
-  LocalizerAnswer update(View view, double stamp, const std::optional<PoseWithCovariance>& motion = {});
-  /** \brief The same for the image of an organized cloud, seen as PlanarRegistration sees it. A cloud that is
-   * none has an answer with the reason, and counts as a camera that saw nothing. */
-  template <typename PointT>
-  LocalizerAnswer update(const pcl::PointCloud<PointT>& cloud, double stamp,
-                         const std::optional<PoseWithCovariance>& motion = {}) {
-    std::string why_not;
-    const auto image = depthImageOfInput(&cloud, nullptr, camera().intrinsics, why_not);
-    LocalizerAnswer answer = image ? update(*image, stamp, motion) : update(View(), stamp, motion);
-    if (!image) answer.reason = why_not;
-    return answer;
-  }
+  Localization update(View view, double stamp, const std::optional<PoseWithCovariance>& motion = {});
   /** \brief The same for a depth image with its intrinsics; of several pixels one, to be about 320 wide. */
-  LocalizerAnswer update(const DepthImage& image, double stamp,
-                         const std::optional<PoseWithCovariance>& motion = {});
-  /** \brief The place of a view by all views of a drive, later ones included (METHOD 16.7).
-   * Neither answer has to come from this object, but from one with its map and parameters.
-   * \param until_now answer by the views up to this one
-   * \param from_next answer by the next one in the reverse order, in which another object takes the views
-   * from the last one on, with stamps that are negated
-   * \param T_now_next how the camera moves to the next one: its T_before_now in the order of time */
-  LocalizerAnswer smoothed(const LocalizerAnswer& until_now, const LocalizerAnswer& from_next,
-                           const PoseWithCovariance& T_now_next) const;
+  Localization update(const DepthImage& image, double stamp,
+                      const std::optional<PoseWithCovariance>& motion = {});
+  /** \brief The places of all views of a drive by all of them, later ones included (METHOD 16.7), in their
+   * order. Takes as long as the drive did, and remembers nothing. \param drive its views as update() of an
+   * object with this map and these parameters took them \param done is called after each view, and may throw
+   */
+  std::vector<Localization> smoothed(const std::vector<DriveView>& drive,
+                                     const std::function<void()>& done = {}) const;
   /** \brief Forgets all views. */
   void reset();
   /** \brief Forgets all views, and takes it that the camera is about there now, at the view that comes next:

@@ -107,7 +107,7 @@ public:
   /** \brief Why it is not sure; empty if it is. */
   const std::string& getStatus() const { return answer_.reason; }
   /** \brief All of it. */
-  const LocalizerAnswer& getAnswer() const { return answer_; }
+  const Localization& getAnswer() const { return answer_; }
   /** \brief Its planes. */
   const View& getView() const { return view_; }
   /// @}
@@ -119,8 +119,8 @@ private:
 
   bool see(std::string& why_not);
   Localizer& localizer();
-  LocalizerAnswer answer(bool is_image);
-  LocalizerAnswer answerNear(const PoseWithCovariance& guess, const std::string& part, bool is_image);
+  Localization answer(bool is_image);
+  Localization answerNear(const PoseWithCovariance& guess, const std::string& part, bool is_image);
   template <typename Answer>
   bool localizeBy(const Answer& answer, PoseWithCovariance& pose);
   double nextStamp();
@@ -145,7 +145,7 @@ private:
   OdometryError odometry_error_;
 
   View view_;
-  LocalizerAnswer answer_;
+  Localization answer_;
 };
 
 }  // namespace facetloc

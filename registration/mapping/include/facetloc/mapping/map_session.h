@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/localization_params.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/map_findings.h>
 #include <facetloc/mapping/map_image.h>

@@ -122,7 +122,7 @@ Localizer& MapLocalization<PointT>::localizer() {
 }
 
 template <typename PointT>
-LocalizerAnswer MapLocalization<PointT>::answer(bool is_image) {
+Localization MapLocalization<PointT>::answer(bool is_image) {
   if (!is_image && !is_sequence_) return {};
   if (!is_sequence_) return localizer().localize(view_);
   const std::optional<PoseWithCovariance> motion = is_motion_lost_ ? std::nullopt : motion_;
@@ -132,10 +132,10 @@ LocalizerAnswer MapLocalization<PointT>::answer(bool is_image) {
 }
 
 template <typename PointT>
-LocalizerAnswer MapLocalization<PointT>::answerNear(const PoseWithCovariance& guess, const std::string& part,
-                                                    bool is_image) {
+Localization MapLocalization<PointT>::answerNear(const PoseWithCovariance& guess, const std::string& part,
+                                                 bool is_image) {
   if (!is_image && !is_sequence_) return {};
-  LocalizerAnswer refused;
+  Localization refused;
   const auto found = std::find(map_->parts.begin(), map_->parts.end(), part);
   if (found == map_->parts.end() && !(map_->parts.empty() && part.empty())) {
     refused.reason = "the map has no part '" + part + "'";

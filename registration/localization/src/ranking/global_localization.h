@@ -9,13 +9,13 @@
 #include <memory>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::internal {
 
 /** \brief Finds a view in a map: registers it with local models and returns one ranked list of places.
  *
- *     const facetloc::GlobalLocalization localization(map);      // shared, never changed
- *     facetloc::ViewBuilder builder(map->calibrated(camera));
- *     const facetloc::Localization answer = localization.localize(builder.build(image));
+ *     const GlobalLocalization localization(map);      // shared, never changed
+ *     ViewBuilder builder(map->calibrated(camera));
+ *     const Localization answer = localization.localize(builder.build(image));
  *     if (answer.hypotheses.empty()) std::cout << answer.reason;
  *     else use(*answer.hypotheses[0].T_w_c, answer.hypotheses[0].probability);
  *
@@ -62,4 +62,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace facetloc
+}  // namespace facetloc::internal
