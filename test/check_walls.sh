@@ -48,6 +48,13 @@ declare -A rooms=(
   [apps/live]="live drawing inputs outputs batch cli"
   [apps/tools]="tools evaluation drawing inputs outputs batch cli"
 )
+# The internal interface of registration, and of localization: the private headers that the modules above them include.
+declare -A interface=(
+  [localization]="depth/depth_consistency.h depth/moved_pixels.h motion/camera_motion.h nearby/hypothesis_ranking.h
+    nearby/nearby_models.h nearby/view_alignment.h pairs/consensus.h pairs/mounting_check.h pairs/query.h pairs/view_registration.h"
+  [mapping]="depth/depth_consistency.h depth/depth_difference.h motion/step_prior.h motion/view_odometry.h motion/view_placing.h
+    nearby/view_alignment.h ranking/global_localization.h shortlist/plane_triplet_matcher.h"
+)
 
 moduleOf() {
   case $1 in
@@ -80,6 +87,9 @@ while IFS=: read -r file line include; do
     [[ $file =~ /src/[^/]+/ ]] || continue  # in no room, such as a main()
     own=$module/$(sed -E 's#^.*/src/([^/]+)/.*#\1#' <<<"$file")
     has "${rooms[$own]:-}" "$room" || complain "$file:$line" "$own" "$room"
+    if [ -n "${interface[$module]:-}" ] && [ ! -d "$(dirname "$(dirname "$file")")/$room" ]; then
+      has "$(tr -s ' \n' ' ' <<<"${interface[$module]}")" "$private" || complain "$file:$line" "$module" "\"$private\""
+    fi
   fi
 done < <(git grep -nE '^#include (<facetloc/|")' -- ':!*.md' 'features/*' 'segmentation/*' 'registration/*' 'io/*' 'apps/*' |
          sed -E 's/#include //')
