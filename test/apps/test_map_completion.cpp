@@ -86,7 +86,8 @@ TEST(MapCompletion, TheMountingIsFoundByTheFloor) {
     map.models[i].T_w_m->translation().x() += 0.3 * static_cast<double>(i);
   writeMap(path, map);
   const auto complete = [&] {
-    return test::captured([&](const Console& console) { return completeMounting(path, console), kOk; }).out;
+    return test::captured([&](const Console& console) { return completeMap(path, 1, console, true), kOk; })
+        .out;
   };
   EXPECT_THAT(complete(), testing::HasSubstr("the camera is mounted"));
   ASSERT_TRUE(openMap(path).camera.mounting);

@@ -151,8 +151,7 @@ int LiveApp::playOrMap(LiveRunOptions options, const CommandLine& line, const Co
     options.build = path.string();
     code = play(options, line, console);
     if (!isThere(path)) throw IoError(map, "is not written: no frame came");
-    completeMounting(path, console);
-    completeMap(path, threads(), console);
+    completeMap(path, threads(), console, true);
   };
   if (overwrite_ && isThere(map)) {
     openMap(map);  // throws for a file that is no map, which is left alone

@@ -2,12 +2,10 @@
 #include "outputs/map_completion.h"
 
 #include "batch/map_watch.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/localization/place_index.h>
-#include <facetloc/mapping/map_making.h>
 
 namespace facetloc {
 namespace {
@@ -19,36 +17,38 @@ bool hasItsIndex(const Map& map) {
   return written && PlaceIndex::read(*written, map);
 }
 
-void completePlaceIndex(const fs::path& path) {
-  const Map map = openMap(path);
-  if (!map.camera.mounting || hasItsIndex(map)) return;
-  if (const auto index = placeIndexOf(map)) MapDatabase::open(path).setPlaceIndex(index);
-}
-
-void completeAmbiguity(const fs::path& path, int threads, const Console& console) {
-  const auto map = std::make_shared<const Map>(openMap(path));
-  if (map->ambiguity) return;
-  MapWatch watch(console);
-  const MapAliases found = findAliases(map, threads, watch.callback());
-  if (found.ambiguity) MapDatabase::open(path).setAmbiguity(*found.ambiguity, found.scores);
-}
-
 }  // namespace
 
-void completeMounting(const fs::path& path, const Console& console) {
-  const Map map = openMap(path);
-  if (map.camera.mounting) return;
-  const auto found = findMounting(map);
-  if (!found) return;
-  Camera camera = map.camera;
-  camera.mounting = found->mounting;
-  MapDatabase::open(path).setCamera(camera);
-  console.out << "the camera is mounted " << found->toString() << "\n";
+std::shared_ptr<Map> MapFile::map() {
+  auto map = std::make_shared<Map>(openMap(path_));
+  const auto state = map->meta.find(kStateKey);
+  whole_ = state == map->meta.end() || state->second == kWhole;
+  return map;
 }
 
-void completeMap(const fs::path& path, int threads, const Console& console) {
-  completePlaceIndex(path);
-  completeAmbiguity(path, threads, console);
+int MapFile::add(const PackedModel& model) {
+  if (std::exchange(whole_, false)) database_.setMeta(kStateKey, kUnderWay);
+  return database_.add(model);
+}
+
+void MapFile::setWhole() {
+  if (!std::exchange(whole_, true)) database_.setMeta(kStateKey, kWhole);
+}
+
+void MapFile::setMounting(const Camera& camera, const FoundMounting& found) {
+  database_.setCamera(camera);
+  console_.out << "the camera is mounted " << found.toString() << "\n";
+}
+
+void MapFile::setPlaceIndex(const Map& map) {
+  if (!map.camera.mounting || hasItsIndex(map)) return;
+  if (const auto index = placeIndexOf(map)) database_.setPlaceIndex(index);
+}
+
+void completeMap(const fs::path& path, int threads, const Console& console, bool mounting) {
+  MapFile file(path, MapDatabase::open(path), console);
+  MapWatch watch(console);
+  completeMap(file, {mounting, threads, watch.callback()});
 }
 
 void replaceWholeMap(const fs::path& path, const Map& map, int threads, const Console& console) {

@@ -3,23 +3,54 @@
 
 #include "cli/app.h"
 
-#include <facetloc/features/local_model.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
+#include <facetloc/mapping/map_making.h>
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
 
-/** \brief Finds the mounting of the camera by the floor and writes it into a map file, unless it is known
- * already. Says so on console.out. Throws IoError. */
-void completeMounting(const std::filesystem::path& map, const Console& console);
+/** \brief A map file while it is made. All functions throw IoError. */
+class MapFile : public MapSink {
+public:
+  MapFile(std::filesystem::path path, MapDatabase database, const Console& console)
+      : path_(std::move(path)), database_(std::move(database)), console_(console) {}
+
+  std::shared_ptr<Map> map() override;
+  std::vector<std::string> modelNames() const { return database_.modelNames(); }
+  /** \brief Adds a local model; until setWhole(), the map is under way then. \return its index */
+  int add(const PackedModel& model);
+  void add(const Link& link) override { database_.add(link); }
+  void setCamera(const Camera& camera) override { database_.setCamera(camera); }
+  void setMeta(const std::string& key, const std::string& value) override { database_.setMeta(key, value); }
+  void setWhole() override;
+  /** \brief Says so on console.out. */
+  void setMounting(const Camera& camera, const FoundMounting& found) override;
+  /** \brief Keeps the index of a large map whose camera has a mounting. */
+  void setPlaceIndex(const Map& map) override;
+  void setAmbiguity(const MapAmbiguity& ambiguity,
+                    const std::vector<std::optional<double>>& alias_scores) override {
+    database_.setAmbiguity(ambiguity, alias_scores);
+  }
+
+private:
+  std::filesystem::path path_;
+  MapDatabase database_;
+  const Console& console_;
+  bool whole_ = false;
+};
 
 /** \brief Adds the missing parts of a map file: the place index of a large map, and its ambiguity.
- * \param threads 0 = all cores. Throws IoError, and Stopped at Ctrl-C. */
-void completeMap(const std::filesystem::path& map, int threads, const Console& console);
+ * \param threads 0 = all cores. \param mounting find an unknown mounting of its camera by the floor. Throws
+ * IoError, and Stopped at Ctrl-C. */
+void completeMap(const std::filesystem::path& map, int threads, const Console& console,
+                 bool mounting = false);
 
 /** \brief Writes a map that was not there, with all that it is asked for when it is opened. Throws UsageError
  * without a path, IoError. \param make is called once it is clear that the map can be written */

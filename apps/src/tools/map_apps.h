@@ -5,6 +5,7 @@
 #include "cli/app.h"
 #include "inputs/depth_input.h"
 #include "inputs/gravity_option.h"
+#include "outputs/map_completion.h"
 #include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>
@@ -21,8 +22,7 @@ public:
   MapBuildApp();
 
 private:
-  struct Seen;  // statistics of the images of local models
-  class Writer;
+  struct Seen;
   using ModelBatch = SharedBatch<ModelsOrder, PackedModel>;
 
   void addOptions(CommandLine& line) override;
@@ -49,8 +49,8 @@ private:
             const Console& console) const;
   ModelBatch::Work modelWork(const DepthSequence& sequence, Camera camera, const ModelsOrder& order,
                              int workers) const;
-  Seen addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places, const Camera& camera,
-                 ModelBatch& batch, Writer& writer) const;
+  std::vector<int> addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places,
+                             const Camera& camera, ModelBatch& batch, MapFile& file, Seen& seen) const;
 
   std::string disagreement_;  // between poses and images, as text
   Trajectory given_;          // poses of the images; empty if none are given

@@ -14,7 +14,6 @@
 #include <fmt/core.h>
 #include <map>
 #include <memory>
-#include <set>
 #include <utility>
 
 namespace facetloc {
@@ -43,56 +42,11 @@ void removeWithoutModels(const fs::path& path) try {
 
 }  // namespace
 
-/** Statistics of the images of local models. */
+/** Statistics of local models and their images. */
 struct MapBuildApp::Seen {
+  std::size_t added = 0, models = 0;
   std::vector<double> noise;  // inverse-depth noise by image [1/m]
   std::size_t without_segments = 0;
-};
-
-/** Adds the missing local models, in order, and links. */
-class MapBuildApp::Writer {
-public:
-  Writer(MapDatabase database, const Map& present) : database_(std::move(database)) {
-    for (std::size_t i = 0; i < present.models.size(); ++i)
-      index_[present.models[i].name] = static_cast<int>(i);
-    for (const Link& link : present.links) links_.emplace(link.from, link.to);
-    const auto state = present.meta.find(kStateKey);
-    whole_ = state == present.meta.end() || state->second == kWhole;
-  }
-
-  std::size_t added() const { return added_; }
-  std::size_t models() const { return index_.size(); }
-  bool has(const std::string& name) const { return index_.count(name) > 0; }
-
-  void add(const PackedModel& packed) {
-    if (std::exchange(whole_, false)) database_.setMeta(kStateKey, kUnderWay);
-    index_[packed.model.name] = database_.add(packed);
-    ++added_;
-  }
-  /** The links of its local models, which are images of a run. */
-  void addLinks(const DepthSequence& sequence, const MapMaking& making) {
-    std::vector<std::size_t> images;
-    std::vector<int> models;
-    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-      if (const auto model = index_.find(sequence.frames()[i].name); model != index_.end()) {
-        images.push_back(i);
-        models.push_back(model->second);
-      }
-    for (Link link : making.links(images)) {
-      link.from = models[link.from], link.to = models[link.to];
-      if (links_.emplace(link.from, link.to).second) database_.add(link);
-    }
-  }
-  void finish() {
-    if (!std::exchange(whole_, true)) database_.setMeta(kStateKey, kWhole);
-  }
-
-private:
-  MapDatabase database_;
-  std::map<std::string, int> index_;
-  std::set<std::pair<int, int>> links_;
-  std::size_t added_ = 0;
-  bool whole_ = true;
 };
 
 MapBuildApp::MapBuildApp()
@@ -347,28 +301,37 @@ MapBuildApp::ModelBatch::Work MapBuildApp::modelWork(const DepthSequence& sequen
           }};
 }
 
-/** Adds the local models that are not there already, in order. */
-MapBuildApp::Seen MapBuildApp::addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places,
-                                         const Camera& camera, ModelBatch& batch, Writer& writer) const {
-  std::vector<MapPlace> missing;
-  std::vector<std::size_t> images;
-  for (const MapPlace& place : places) {
-    if (writer.has(sequence.frames()[place.image].name)) continue;
-    missing.push_back(place);
-    images.push_back(place.image);
+/** Adds the local models that are not there already, in order. \return the index of each place's. */
+std::vector<int> MapBuildApp::addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places,
+                                        const Camera& camera, ModelBatch& batch, MapFile& file,
+                                        Seen& seen) const {
+  std::map<std::string, int> present;
+  for (const std::string& name : file.modelNames()) present.emplace(name, static_cast<int>(present.size()));
+  std::vector<int> models(places.size(), -1);
+  std::vector<std::size_t> missing, images;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto found = present.find(sequence.frames()[places[i].image].name);
+    if (found != present.end()) {
+      models[i] = found->second;
+    } else {
+      missing.push_back(i);
+      images.push_back(places[i].image);
+    }
   }
-  Seen seen;
+  seen.models = present.size();
   batch.run({images, camera.distortion}, images.size(),
             [&](std::size_t i, std::optional<PackedModel>&& built, const std::string&) {
               if (!built) return;
-              built->model.T_w_m = missing[i].T_w_m;
+              built->model.T_w_m = places[missing[i]].T_w_m;
               seen.noise.push_back(built->view.noise());
-              if (built->view.segments.empty())
+              if (built->view.segments.empty()) {
                 ++seen.without_segments;
-              else
-                writer.add(*built);
+                return;
+              }
+              models[missing[i]] = file.add(*built);
+              ++seen.added, ++seen.models;
             });
-  return seen;
+  return models;
 }
 
 /** \param path of the map until it is whole. \return the exit code. Throws IoError, and
@@ -380,36 +343,27 @@ int MapBuildApp::build(const fs::path& path, const DepthSequence& sequence,
                                  fmt::format("every = {}\nraw-depth = {:d}\n", every_, raw_depth_) +
                                  gravity_.toIni() + toIni(input_, making.camera()) + toIni(builder_, "map") +
                                  (making.findings().trajectory ? by_images_.toIni() : "");
-  MapDatabase database = openDatabase(path, sequence, places, parameters, making.camera());
-  const Map present = openMap(path);
-  if (!present.models.empty()) {
-    making.setDistortion(present.camera.distortion);
-  } else if (!raw_depth_) {
-    making.findDistortion();
-    noteDistortion(making.findings(), console);
-  }
-  if (making.camera().distortion && present.models.empty()) database.setCamera(making.camera());
-  if (const auto& found = making.findings().trajectory)
-    database.setMeta(kTrajectoryKey, found->overlaps.toString());
-  Writer writer(std::move(database), present);
-  const Seen seen = addModels(sequence, places, making.camera(), batch, writer);
-
-  const int code = batch.report();
-  noteWithoutPose(sequence, making, console);
-  if (seen.without_segments > 0)
-    console.note(counted(seen.without_segments, "image") + " without segments left out");
-  noteNoise(seen.noise, making.camera().noise, console);
-  if (writer.models() == 0) {
+  MapFile file(path, openDatabase(path, sequence, places, parameters, making.camera()), console);
+  const bool begins = file.modelNames().empty();
+  Seen seen;
+  int code = kOk;
+  const bool made = making.finish(file, [&](const std::vector<MapPlace>& of_map) {
+    if (begins && !raw_depth_) noteDistortion(making.findings(), console);
+    const std::vector<int> models = addModels(sequence, of_map, making.camera(), batch, file, seen);
+    code = batch.report();
+    noteWithoutPose(sequence, making, console);
+    if (seen.without_segments > 0)
+      console.note(counted(seen.without_segments, "image") + " without segments left out");
+    noteNoise(seen.noise, making.camera().noise, console);
+    return models;
+  });
+  if (!made) {
     fs::remove(path);
     throw IoError(map_, "is not written: none of the images makes a local model");
   }
-  writer.addLinks(sequence, making);
-  writer.finish();
-  completeMounting(path, console);
-  completeMap(path, threads(), console);
   if (!disagreement_.empty()) console.out << "poses and images disagree by " << disagreement_ << "\n";
-  console.out << counted(writer.added(), "local model") << " added from "
-              << counted(sequence.frames().size(), "image") << ", " << writer.models() << " in all; map in "
+  console.out << counted(seen.added, "local model") << " added from "
+              << counted(sequence.frames().size(), "image") << ", " << seen.models << " in all; map in "
               << map_ << "\n";
   return code;
 }

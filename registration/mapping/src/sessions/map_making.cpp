@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/distortion_calibration.h"
-#include "calibration/map_ambiguity.h"
 #include "sessions/image_run.h"
+#include "sessions/map_in_memory.h"
 #include "trajectory/levelled_trajectory.h"
 #include "trajectory/trajectory_links.h"
 
-#include <facetloc/features/map_parts.h>
 #include <facetloc/mapping/map_making.h>
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
-#include <numeric>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -66,7 +65,7 @@ struct MapMaking::Impl {
     return findings.trajectory ? trajectoryLinks(*findings.trajectory, images) : linksOfPoses(images);
   }
   bool canBeMade();
-  Map build(const std::vector<MapPlace>& places);
+  std::vector<int> makeModels(const std::vector<MapPlace>& places, Map& map);
 
   MapMakingParams params;
   ImageRun run;
@@ -138,26 +137,24 @@ bool MapMaking::Impl::canBeMade() {
   return findings.problem.empty();
 }
 
-Map MapMaking::Impl::build(const std::vector<MapPlace>& places) {
-  Map map;
+std::vector<int> MapMaking::Impl::makeModels(const std::vector<MapPlace>& places, Map& map) {
   std::vector<std::size_t> images;
   for (const MapPlace& place : places) images.push_back(place.image);
-  std::vector<std::size_t> made;
+  std::vector<int> made;
   findings.unread.clear();
   findings.without_segments = 0;
   run.buildViews(images, Stage::models, findings.unread, [&](std::size_t i, std::optional<View> view) {
+    made.push_back(-1);
     if (!view) return;
     if (view->segments.empty()) {
       ++findings.without_segments;
       return;
     }
     view->camera.reset();  // the map's
+    made.back() = static_cast<int>(map.models.size());
     map.models.push_back(LocalModel{run.images[i].name, run.images[i].stamp, pose(i), std::move(*view)});
-    made.push_back(i);
   });
-  if (made.empty()) findings.problem = "none of the images makes a local model";
-  map.links = links(made);
-  return map;
+  return made;
 }
 
 MapMaking::MapMaking(const Camera& camera, const MapMakingParams& params)
@@ -178,6 +175,8 @@ std::optional<Eigen::Isometry3d> MapMaking::pose(std::size_t image) const { retu
 void MapMaking::findTrajectory() {
   Impl& m = *impl_;
   if (!m.findsTrajectory()) return;
+  // Of images without the distortion that the first trajectory shows, a second one is found. Its poses are
+  // better, which is why findDistortion() estimates the distortion once more, for the local models.
   for (const bool again : {false, true}) {
     CameraTrajectory found = m.run.findTrajectory(m.params.trajectory, m.findings);
     if (m.findings.noneRead(m.run.images.size())) return;
@@ -253,33 +252,46 @@ Map MapMaking::finish() {
   findTrajectory();
   checkPoses();
   if (!m.canBeMade()) return {};
-  if (m.params.distortion) findDistortion();
-  auto map = std::make_shared<Map>(m.build(places()));
-  if (map->models.empty()) return {};
+  auto map = std::make_shared<Map>();
   map->camera = m.run.camera;
-  if (m.findings.trajectory) map->meta[kTrajectoryKey] = m.findings.trajectory->overlaps.toString();
-  placeByLinks(*map);
-  if (!map->camera.mounting) m.findings.mounting = findMounting(*map);
-  if (m.findings.mounting) {
-    map->camera.mounting = m.findings.mounting->mounting;
-    placeByLinks(*map);
-  }
-  const MapAliases found = findAliases(map, m.run.threads, m.run.progress);
-  setAmbiguity(found.scores, *map);
+  MapInMemory sink(map);
+  if (!finish(sink, [&](const std::vector<MapPlace>& places) { return m.makeModels(places, *map); }))
+    return {};
   return std::move(*map);
 }
 
-MapAliases findAliases(const std::shared_ptr<const Map>& map, int threads,
-                       const MapProgressCallback& progress) {
-  MapAliases found{{}, AliasScores(map->models.size())};
-  const std::vector<int> models = viewsToAsk(*map);
-  if (models.empty()) return found;
-  const GlobalLocalization localization(map);
-  ParallelStage(Stage::ambiguity, models.size(), threads, progress).run([&](std::size_t i) {
-    if (const auto wrong = wrongPlace(localization, models[i])) found.scores[models[i]] = wrong->score;
-  });
-  found.ambiguity = ambiguityOf(found.scores);
-  return found;
+bool MapMaking::finish(MapSink& sink, const ModelMaker& make) {
+  Impl& m = *impl_;
+  std::set<std::pair<int, int>> linked;
+  {
+    const std::shared_ptr<const Map> present = sink.map();
+    for (const Link& link : present->links) linked.emplace(link.from, link.to);
+    if (!present->models.empty()) {
+      setDistortion(present->camera.distortion);
+    } else {
+      if (m.params.distortion) findDistortion();
+      if (m.run.camera.distortion || present->camera.distortion) sink.setCamera(m.run.camera);
+    }
+  }
+  if (const auto& found = m.findings.trajectory) sink.setMeta(kTrajectoryKey, found->overlaps.toString());
+
+  const std::vector<MapPlace> places = this->places();
+  const std::vector<int> made = make(places);
+  std::vector<std::size_t> images;
+  std::vector<int> models;
+  for (std::size_t i = 0; i < made.size(); ++i)
+    if (made[i] >= 0) images.push_back(places[i].image), models.push_back(made[i]);
+  if (images.empty()) {
+    m.findings.problem = "none of the images makes a local model";
+    return false;
+  }
+  for (Link link : m.links(images)) {
+    link.from = models[link.from], link.to = models[link.to];
+    if (linked.emplace(link.from, link.to).second) sink.add(link);
+  }
+  sink.setWhole();
+  m.findings.mounting = completeMap(sink, {true, m.run.threads, m.run.progress});
+  return true;
 }
 
 }  // namespace facetloc

@@ -8,8 +8,10 @@
 #include <facetloc/mapping/mapping_params.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace facetloc {
@@ -37,6 +39,45 @@ struct MapPlace {
   std::optional<Eigen::Isometry3d> T_w_m;  ///< nothing where no pose is known in the map's world
 };
 
+/** \brief Where a map is made: in memory, or in a file that can be taken up again. */
+class MapSink {
+public:
+  virtual ~MapSink() = default;
+  /** \brief The map as it is now. Its poses by links are known once it is whole. */
+  virtual std::shared_ptr<Map> map() = 0;
+  virtual void setCamera(const Camera& /*camera*/) {}
+  virtual void setMeta(const std::string& /*key*/, const std::string& /*value*/) {}
+  virtual void add(const Link& /*link*/) {}
+  /** \brief All local models and links are there. */
+  virtual void setWhole() {}
+
+  /** \brief Results of completeMap(), which map() has got already.
+   * \param camera with the mounting that was found */
+  virtual void setMounting(const Camera& /*camera*/, const FoundMounting& /*found*/) {}
+  /** \brief The sink may keep a place index, unless it has one of this map. */
+  virtual void setPlaceIndex(const Map& /*map*/) {}
+  /** \param alias_scores indexed by local model [nats] */
+  virtual void setAmbiguity(const MapAmbiguity& /*ambiguity*/,
+                            const std::vector<std::optional<double>>& /*alias_scores*/) {}
+};
+
+/** \brief How a map is completed. */
+struct MapCompletion {
+  bool mounting = false;           ///< find the mounting of a camera without one
+  int threads = 1;                 ///< 0 = all cores
+  MapProgressCallback progress{};  ///< may be empty
+};
+
+/** \brief Ends every map, once its local models and links are there. Adds missing parts, in this order: the
+ * mounting of the camera by the floor, a place index, and the ambiguity, which is measured by localizing
+ * views of the map in it without their surroundings (localization/METHOD 11.5). \return the mounting, if it
+ * was found now */
+std::optional<FoundMounting> completeMap(MapSink& sink, const MapCompletion& how = {});
+
+/** \brief Makes local models of images and adds them to a map, unless they are there. Images without
+ * segments make none. \return the index of each one's local model in the map, -1 without one */
+using ModelMaker = std::function<std::vector<int>(const std::vector<MapPlace>& places)>;
+
 /** \brief Makes a map of one run of depth images.
  *
  *     facetloc::MapMaking making(camera);
@@ -50,8 +91,8 @@ struct MapPlace {
  * read when they are needed, some of them several times: the distortion is only known once the trajectory is.
  * Same images, same map, for any number of threads.
  *
- * Programs that write local models one by one, or take up a map again, call the steps of finish() themselves,
- * in the order in which they are declared here. */
+ * Programs with checks of their own call the steps of finish() in the order in which they are declared here,
+ * and end with finish(sink, make), which writes local models one by one and can take up a map again. */
 class MapMaking {
 public:
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
@@ -84,10 +125,15 @@ public:
   void checkPoses();
   /** \brief The images that are to become local models, in their order. */
   std::vector<MapPlace> places() const;
+  /** \brief Makes the places() local models, in a map that may have some of them: distortion, unless the map
+   * has been begun with one, local models, links, and completeMap(). \return false if there is no local
+   * model. \param make builds views with the camera() */
+  bool finish(MapSink& sink, const ModelMaker& make);
+
   /** \brief Estimates the distortion of the camera() from images with poses, unless the trajectory was found
    * along with it. */
   void findDistortion();
-  /** \brief Takes the distortion from elsewhere, such as a map that was begun before. */
+  /** \brief Takes the distortion from elsewhere. */
   void setDistortion(const std::optional<DepthDistortion>& distortion);
   /** \brief Camera for building the views of local models, with the distortion found so far. */
   const Camera& camera() const;
@@ -102,15 +148,5 @@ private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/** \brief Ambiguity of a map, and the scores of the best wrong places that it is computed from. */
-struct MapAliases {
-  std::optional<MapAmbiguity> ambiguity;      ///< nothing if no view has another place like its own
-  std::vector<std::optional<double>> scores;  ///< indexed by local model [nats]
-};
-/** \brief Localizes views of a map in it without their surroundings: the ambiguity of a map that was made
- * otherwise (localization/METHOD 11.5). \param threads 0 = all cores */
-MapAliases findAliases(const std::shared_ptr<const Map>& map, int threads = 1,
-                       const MapProgressCallback& progress = {});
 
 }  // namespace facetloc
