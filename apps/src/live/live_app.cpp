@@ -6,6 +6,7 @@
 #include "inputs/start_option.h"
 #include "live/live_extension.h"
 #include "live/live_run.h"
+#include "outputs/begun_map.h"
 #include "outputs/localization_report.h"
 #include "outputs/map_completion.h"
 #include "outputs/pose_stream.h"
@@ -28,11 +29,6 @@ namespace fs = std::filesystem;
 /** OpenNI2 changes the working directory for a moment while it opens a device. */
 void makeAbsolute(std::string& path) {
   if (!path.empty()) path = fs::absolute(path).lexically_normal().string();
-}
-
-// An empty file holds nothing that could be lost.
-bool isThere(const fs::path& path) {
-  return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
 }
 
 }  // namespace

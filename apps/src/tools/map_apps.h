@@ -5,7 +5,6 @@
 #include "cli/app.h"
 #include "inputs/depth_input.h"
 #include "inputs/gravity_option.h"
-#include "outputs/map_completion.h"
 #include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>
@@ -15,6 +14,9 @@
 #include <memory>
 
 namespace facetloc {
+
+class MapFile;
+struct MapBuildChecks;
 
 /** \brief facetloc_map build: one run of depth images -> a map. */
 class MapBuildApp : public App {
@@ -29,24 +31,11 @@ private:
   int execute(const CommandLine& line, const Console& console) override;
   bool dealsOut() const override { return true; }
   MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console);
-  int findTrajectory(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
-  void noteTrajectory(const CameraTrajectory& trajectory, const Console& console) const;
-  void noteDistortion(const MapFindings& findings, const Console& console) const;
-  void requireMostPosed(const DepthSequence& sequence, const MapMaking& making) const;
-  void noteWithoutPose(const DepthSequence& sequence, const MapMaking& making, const Console& console) const;
+  int findTrajectory(const MapBuildChecks& checks, MapMaking& making) const;
   void writeTrajectory(const DepthSequence& sequence, const MapMaking& making) const;
-  void checkReading(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
-  std::string checkPoses(const DepthSequence& sequence, MapMaking& making, const Console& console) const;
   std::vector<MapPlace> placesOf(const DepthSequence& sequence, const MapMaking& making) const;
-  bool madeOf(const Map& present, const DepthSequence& sequence, const std::vector<MapPlace>& places) const;
-  MapDatabase openDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
-                           const std::vector<MapPlace>& places, const std::string& parameters,
-                           const Camera& camera) const;
-  MapDatabase createDatabase(const std::filesystem::path& path, const DepthSequence& sequence,
-                             const std::string& parameters, const Camera& camera, bool overwrite) const;
-  int build(const std::filesystem::path& path, const DepthSequence& sequence,
-            const std::vector<MapPlace>& places, MapMaking& making, ModelBatch& batch,
-            const Console& console) const;
+  int build(const std::filesystem::path& path, const MapBuildChecks& checks,
+            const std::vector<MapPlace>& places, MapMaking& making, ModelBatch& batch) const;
   ModelBatch::Work modelWork(const DepthSequence& sequence, Camera camera, const ModelsOrder& order,
                              int workers) const;
   std::vector<int> addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places,
