@@ -62,7 +62,7 @@ protected:
       if (k > 0) {
         const Eigen::Isometry3d T = out.keyframes[k - 1].T_w_c.T.inverse() * out.keyframes[k].T_w_c.T;
         Matrix6d P = Matrix6d::Identity() * 1e-4;
-        out.motions.push_back({k - 1, k, {T, P}, KeyframeMotion::Source::odometry, 0});
+        out.motions.push_back({k - 1, k, {T, P}, KeyframeMotion::Source::odometry});
       }
     }
     return out;

@@ -5,7 +5,6 @@
 #include "poses/pose_fusion.h"
 #include "poses/pose_radius.h"
 
-#include <facetloc/features/chi_square.h>
 #include <facetloc/registration/pose_prior.h>
 
 #include <algorithm>
@@ -14,7 +13,6 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kUnknown = 100;  // standard deviation of motions that two views leave free [m, rad]
-constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 constexpr PoseRadius kSameTrajectory{0.1, 1};
 
 DepthAgreement agreementAt(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {
@@ -27,12 +25,31 @@ double overlapOf(const DepthAgreement& seen, const DepthPicture& picture) {
   return (seen.agree + seen.contradict) / (2.0 * std::max(1, pixels));
 }
 
+bool agrees(const DepthAgreement& seen) {
+  return seen.agree >= kLeastAgreement * (seen.agree + seen.contradict);
+}
+
 }  // namespace
 
 PoseWithCovariance measured(const PlacedView& placed) {
   Matrix6d information = placed.information;
   information.diagonal().array() += 1 / (kUnknown * kUnknown);
   return {placed.T_a_b, withSharedErrors(symmetricInverse(information))};
+}
+
+std::optional<PlacedView> registered(const ViewPlacing& placing, const View& view, const View& other,
+                                     const PoseWithCovariance& prior, bool search) {
+  auto placed = placing.place(view, other, prior, search);
+  if (placed && (placed->agreement < kLeastAgreement || placed->overlap < kLeastOverlap)) placed.reset();
+  return placed;
+}
+
+bool isClear(const PlacedView& placed) {
+  return placed.agreement >= kClearAgreement && placed.overlap >= kLoopOverlap;
+}
+
+bool depthAgrees(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {
+  return agrees(agreementAt(T_a_b, a, b));
 }
 
 double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {
@@ -46,8 +63,7 @@ OverlapVerdict verdictOn(const Eigen::Isometry3d& T_a_b, const View& a, const Vi
   const bool is_elsewhere = compared.placed && !compared.anywhere &&
                             !kSameTrajectory.joins(compared.placed->T_a_b, T_a_b) &&
                             squaredMahalanobis(measured(*compared.placed), T_a_b) > kFarEllipsoid;
-  const bool agrees = seen.agree >= kLeastAgreement * (seen.agree + seen.contradict);
-  return agrees && !is_elsewhere ? OverlapVerdict::confirms : OverlapVerdict::contradicts;
+  return agrees(seen) && !is_elsewhere ? OverlapVerdict::confirms : OverlapVerdict::contradicts;
 }
 
 }  // namespace facetloc::internal

@@ -3,9 +3,11 @@
 
 #include "motion/view_placing.h"
 
+#include <facetloc/features/chi_square.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace facetloc::internal {
@@ -19,9 +21,22 @@ struct Comparison {
 
 constexpr double kLeastAgreement = 0.8;  ///< share of the pixels in which two keyframes must agree
 constexpr double kLeastOverlap = 0.2;    ///< share of the pixels that two keyframes must have in common
+constexpr double kClearAgreement = 0.9;  ///< agreement of an image with the keyframes before it
+constexpr double kLoopOverlap = 0.3;     ///< share that an uncertain loop must have in common
+constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);  ///< squared Mahalanobis distance
 
 /** \brief Relative pose by two views, with the errors that all views share. */
 PoseWithCovariance measured(const PlacedView& placed);
+
+/** \brief ViewPlacing::place(); empty also if the two keyframes disagree, or have too little in common. */
+std::optional<PlacedView> registered(const ViewPlacing& placing, const View& view, const View& other,
+                                     const PoseWithCovariance& prior, bool search);
+
+/** \brief True for views that agree clearly, as images of another place hardly do. */
+bool isClear(const PlacedView& placed);
+
+/** \brief True if the depth of two views agrees at a relative pose. */
+bool depthAgrees(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
 
 /** \brief Share of the pixels of two views that agree or contradict at a relative pose. */
 double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);

@@ -2,7 +2,7 @@
 #include "trajectory/tie_search.h"
 
 #include "shortlist/plane_triplet_matcher.h"
-#include "threads/in_parallel.h"
+#include "trajectory/chunked_work.h"
 
 #include <facetloc/localization/place_index.h>
 
@@ -16,7 +16,6 @@ constexpr int kMostSimilar = 15;    // earlier keyframes that one is compared wi
 constexpr int kClose = 10;          // numbers of keyframes that are compared whatever they show
 constexpr int kIndexed = 100;       // earlier keyframes by the index whose planes are overlaid
 constexpr int kIndexAligned = 300;  // those that the index aligns with a view
-constexpr int kChunk = 64;          // keyframes between two reports of progress
 constexpr double kSigmas = 3;
 
 /** Lists the earlier keyframes of other parts whose planes are overlaid with a keyframe's: all, or the most
@@ -96,11 +95,7 @@ std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyfra
     std::sort(of_b.begin(), of_b.end());
     of_b.erase(std::unique(of_b.begin(), of_b.end()), of_b.end());
   };
-  for (int begin = 0; begin < n - first; begin += kChunk) {
-    if (search.progress) search.progress(double(begin) / (n - first));
-    forEachInParallel(std::min(kChunk, n - first - begin), search.threads,
-                      [&](int i) { findPartners(begin + i); });
-  }
+  ChunkedWork{search.threads, search.progress}.forEach(n - first, findPartners);
   std::vector<std::pair<int, int>> pairs;
   for (int i = 0; i < n - first; ++i)
     for (const int a : partners[i]) pairs.emplace_back(a, first + i);

@@ -37,7 +37,6 @@ struct KeyframeMotion {
   int from = 0, to = 0;
   PoseWithCovariance T_from_to;
   Source source = Source::odometry;
-  double mismatch = 0;  ///< squared Mahalanobis distance from the trajectory, of 6 degrees of freedom
 };
 
 /** \brief Overlapping keyframes whose views confirm or contradict the relative pose of a trajectory. */

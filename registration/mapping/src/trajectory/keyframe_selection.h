@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "motion/view_odometry.h"
+#include "trajectory/camera_speed.h"
+#include "trajectory/trajectory_graph.h"
+
+#include <facetloc/mapping/mapping_params.h>
+
+namespace facetloc::internal {
+
+/** \brief Follows a camera from image to image, and decides which images become keyframes. */
+class KeyframeSelection {
+public:
+  struct Image {
+    double stamp;  // [s]
+    int keyframe;
+    Eigen::Isometry3d T_k_c;  // pose in its keyframe
+  };
+  using SharedView = std::shared_ptr<const View>;
+
+  explicit KeyframeSelection(const MappingParams& params);
+  void setEndless(bool endless) { endless_ = endless; }
+  void interrupt() { interrupted_ = !images_.empty(); }
+  /** \brief Takes the next image. \param given motion of the camera since the image before, by another
+   * odometry \return true if it has become a keyframe of the graph. */
+  bool add(const SharedView& view, double stamp, const std::optional<Eigen::Isometry3d>& given,
+           TrajectoryGraph& graph);
+
+  const std::vector<Image>& images() const { return images_; }
+  const CameraSpeed& speed() const { return speed_; }
+  /** \brief The keyframe that the latest image is attached to, and its position relative to that one. */
+  int current() const { return current_; }
+  const RelativePosition& position() const { return since_; }
+
+private:
+  RelativePosition stepBy(const ViewMotion& seen, bool is_sparse,
+                          const std::optional<Eigen::Isometry3d>& given, const TrajectoryGraph& graph) const;
+  RelativePosition place(const View& view, const RelativePosition& thought,
+                         const TrajectoryGraph& graph) const;
+  void compareWithKeyframe(const SharedView& view, const RelativePosition& step, TrajectoryGraph& graph);
+  void addImage(double stamp, const Eigen::Isometry3d& T_k_c, const TrajectoryGraph& graph);
+  bool beginAgain(const SharedView& view, double stamp, TrajectoryGraph& graph);
+  bool attach(const SharedView& view, const RelativePosition& at, TrajectoryGraph& graph);
+  bool attachToKnown(const View& view, const RelativePosition& at, const TrajectoryGraph& graph);
+  void attachTo(int keyframe, const PoseWithCovariance& T_k_c);
+
+  MappingParams params_;
+  ViewOdometry odometry_;
+  ViewPlacing placing_;
+  CameraSpeed speed_;
+  bool endless_ = false, interrupted_ = false;
+  int run_ = 0;
+  std::vector<Image> images_;
+  int current_ = 0;         // keyframe that the latest image is attached to
+  RelativePosition since_;  // relative to that keyframe
+  SharedView latest_;
+};
+
+}  // namespace facetloc::internal
