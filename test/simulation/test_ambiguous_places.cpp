@@ -28,10 +28,8 @@ protected:
 
 /** Looks along a heading, down by a tilt. */
 Eigen::Isometry3d lookingFrom(double x, double y, double z, double heading, double tilt_deg = 0) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T.translation() << x, y, 0;
-  return T * CameraMounting{z, tilt_deg}.T_b_c();
+  return Eigen::Translation3d(x, y, 0) * Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
+         CameraMounting{z, tilt_deg}.T_b_c();
 }
 
 double difference(const DepthImage& a, const DepthImage& b) {
@@ -59,8 +57,7 @@ TEST_P(AmbiguousPlaces, OnTheBareFloorLieOnlyFlatBoards) {
 TEST_P(AmbiguousPlaces, BoardsAreInSightOfACameraThatLooksDown) {
   const SimulatedPlace boards = place("boards");
   DriveParams drive;
-  drive.camera_tilt_deg = 60;
-  drive.camera_height = 0.6;
+  drive.camera_tilt_deg = 60, drive.camera_height = 0.6;
   int with_boards = 0, images = 0;
   for (const Eigen::Isometry3d& T : simulateDrive(boards.query_route, 60, drive, 1)) {
     const SimulatedFrame frame =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "simulated_walls.h"
+
 #include <facetloc/features/so3.h>
-#include <facetloc/simulation/simulated_camera.h>
 
 #include <gtest/gtest.h>
 
@@ -13,32 +14,11 @@
 namespace facetloc {
 namespace {
 
-const Intrinsics kCamera{320, 240, 262.5, 262.5, 159.5, 119.5};
-
-SimulatedNoise noNoise() {
-  SimulatedNoise noise;
-  noise.disparity_std = noise.distortion = noise.quantization = noise.edge_std_px = noise.random_dropout = 0;
-  noise.grazing_dropout_deg = 90;
-  noise.grazing_spread_deg = noise.dark_range = noise.projector_baseline = 0;
-  noise.min_depth = 0;
-  noise.max_depth = 1000;
-  return noise;
-}
-
-/** A wall across the optical axis, far larger than the image. */
-Rectangle wallAt(double z, std::uint16_t id = 1) {
-  Rectangle wall;
-  wall.centre = {0, 0, z};
-  wall.half_u = wall.half_v = 100;
-  wall.plane_id = id;
-  return wall;
-}
+using test::exact, test::kCamera, test::noErrors, test::rendered, test::sceneOf, test::wallAt;
 
 int labelAt(const SimulatedFrame& frame, int u, int v) {
   return frame.labels.label[static_cast<std::size_t>(v) * frame.labels.width + u];
 }
-
-Scene sceneOf(const std::vector<Rectangle>& rectangles) { return {rectangles, {}}; }
 
 /** A camera upright in a room with z up: x right, y down, z forward. */
 Eigen::Isometry3d standing(const Eigen::Vector3d& position, double yaw) {
@@ -72,7 +52,7 @@ double stdOf(const std::vector<double>& x) {
 
 TEST(SimulatedCamera, AWallIsSeenAtItsDistance) {
   const SimulatedCamera camera(kCamera, SimulatedNoise(), 1);
-  const auto frame = camera.renderExact(sceneOf({wallAt(2.5, 7)}), Eigen::Isometry3d::Identity());
+  const auto frame = camera.renderExact(sceneOf({wallAt(2.5, 100, 7)}), Eigen::Isometry3d::Identity());
   ASSERT_EQ(frame.depth.depth.size(), 320u * 240u);
   for (const float z : frame.depth.depth) ASSERT_FLOAT_EQ(z, 2.5f);
   for (const auto label : frame.labels.label) ASSERT_EQ(label, 7);
@@ -80,33 +60,29 @@ TEST(SimulatedCamera, AWallIsSeenAtItsDistance) {
 
 TEST(SimulatedCamera, TheOutlineOfARectangleIsExact) {
   Rectangle sheet = wallAt(2);
-  sheet.half_u = 0.5;
-  sheet.half_v = 0.25;
-  const auto frame =
-      SimulatedCamera(kCamera, noNoise(), 1).renderExact(sceneOf({sheet}), Eigen::Isometry3d::Identity());
-  for (int v = 0; v < kCamera.height; ++v) {
+  sheet.half_u = 0.5, sheet.half_v = 0.25;
+  const auto frame = exact({sheet});
+  for (int v = 0; v < kCamera.height; ++v)
     for (int u = 0; u < kCamera.width; ++u) {
       const Eigen::Vector3d p = 2 * kCamera.ray(u, v);
       const bool inside = std::abs(p.x()) <= 0.5 && std::abs(p.y()) <= 0.25;
       ASSERT_EQ(frame.depth.at(u, v) > 0, inside) << u << ", " << v;
     }
-  }
 }
 
 TEST(SimulatedCamera, TheNearerSurfaceHidesTheFarther) {
-  Rectangle near_sheet = wallAt(1, 2);
-  near_sheet.half_u = near_sheet.half_v = 0.1;
-  for (const Scene& scene : {sceneOf({wallAt(3, 1), near_sheet}), sceneOf({near_sheet, wallAt(3, 1)})}) {
+  const Rectangle near_sheet = wallAt(1, 0.1, 2);
+  for (const Scene& scene :
+       {sceneOf({wallAt(3, 100, 1), near_sheet}), sceneOf({near_sheet, wallAt(3, 100, 1)})}) {
     const auto frame =
-        SimulatedCamera(kCamera, noNoise(), 1).renderExact(scene, Eigen::Isometry3d::Identity());
+        SimulatedCamera(kCamera, noErrors(), 1).renderExact(scene, Eigen::Isometry3d::Identity());
     EXPECT_FLOAT_EQ(frame.depth.at(160, 120), 1.f);
     EXPECT_FLOAT_EQ(frame.depth.at(0, 0), 3.f);
   }
 }
 
 TEST(SimulatedCamera, SurfacesBehindTheCameraAreNotSeen) {
-  const auto frame = SimulatedCamera(kCamera, noNoise(), 1)
-                         .renderExact(sceneOf({wallAt(-2)}), Eigen::Isometry3d::Identity());
+  const auto frame = exact({wallAt(-2)});
   EXPECT_EQ(*std::max_element(frame.depth.depth.begin(), frame.depth.depth.end()), 0.f);
   EXPECT_EQ(frame.labels.maxLabel(), 0);
 }
@@ -117,8 +93,7 @@ TEST(SimulatedCamera, AFloorThatPassesUnderTheCameraIsSeenUpToTheImageBorder) {
   floor.axis_u = Eigen::Vector3d::UnitX();
   floor.axis_v = Eigen::Vector3d::UnitZ();
   floor.half_u = floor.half_v = 50;
-  const auto frame =
-      SimulatedCamera(kCamera, noNoise(), 1).renderExact(sceneOf({floor}), Eigen::Isometry3d::Identity());
+  const auto frame = exact({floor});
   for (const int v : {150, 200, 239})
     for (const int u : {0, 160, 319}) EXPECT_NEAR(frame.depth.at(u, v), 1 / kCamera.ray(u, v).y(), 1e-5);
   EXPECT_EQ(frame.depth.at(160, 100), 0.f);
@@ -131,8 +106,8 @@ TEST(SimulatedCamera, LabelsBelongToThePlanesOfTheirRectangles) {
     for (const Rectangle& r : room.rectangles) by_id[r.plane_id] = r;
     for (const double yaw : {0.3, 2.0, 4.1}) {
       const Eigen::Isometry3d T_w_c = standing({0.1, -0.2, 1.3}, yaw);
-      const auto frame = SimulatedCamera(kCamera, noNoise(), 1).renderExact(room, T_w_c);
-      for (int v = 0; v < kCamera.height; ++v) {
+      const auto frame = SimulatedCamera(kCamera, noErrors(), 1).renderExact(room, T_w_c);
+      for (int v = 0; v < kCamera.height; ++v)
         for (int u = 0; u < kCamera.width; ++u) {
           const int label = frame.labels.label[static_cast<std::size_t>(v) * kCamera.width + u];
           ASSERT_TRUE(by_id.count(label)) << "a closed room has no holes";
@@ -142,7 +117,6 @@ TEST(SimulatedCamera, LabelsBelongToThePlanesOfTheirRectangles) {
           ASSERT_LT(std::abs(r.axis_u.dot(p)), r.half_u + 1e-4);
           ASSERT_LT(std::abs(r.axis_v.dot(p)), r.half_v + 1e-4);
         }
-      }
     }
   }
 }
@@ -185,10 +159,9 @@ TEST(SimulatedCamera, RoomsKeepTheirPromises) {
     EXPECT_LE(bounds.sizes().z(), 3 + 1e-9);
     widths.insert(bounds.sizes().x());
     // The middle is free: looking up from near the floor one sees the ceiling.
-    Eigen::Isometry3d up = Eigen::Isometry3d::Identity();
-    up.translation().z() = 0.01;
+    const Eigen::Isometry3d up(Eigen::Translation3d(0, 0, 0.01));
     const Intrinsics pixel{1, 1, 1, 1, 0, 0};
-    EXPECT_NEAR(SimulatedCamera(pixel, noNoise(), 1).renderExact(room, up).depth.at(0, 0),
+    EXPECT_NEAR(SimulatedCamera(pixel, noErrors(), 1).renderExact(room, up).depth.at(0, 0),
                 bounds.max().z() - 0.01, 1e-6);
   }
   EXPECT_EQ(widths.size(), 200u);
@@ -208,20 +181,18 @@ TEST(SimulatedCamera, SameSeedSameImageOtherSeedOtherImage) {
 TEST(SimulatedCamera, WithoutErrorsTheImageIsExact) {
   const Scene room = randomRoom(3);
   const auto pose = standing({0, 0, 1.2}, 1);
-  const SimulatedCamera camera(kCamera, noNoise(), 1);
-  const auto exact = camera.renderExact(room, pose), rendered = camera.render(room, pose, 0);
-  EXPECT_EQ(exact.labels.label, rendered.labels.label);
-  for (std::size_t i = 0; i < exact.depth.depth.size(); ++i)
-    ASSERT_NEAR(exact.depth.depth[i], rendered.depth.depth[i], 1e-6 * exact.depth.depth[i]);
+  const SimulatedCamera camera(kCamera, noErrors(), 1);
+  const auto truth = camera.renderExact(room, pose), image = camera.render(room, pose, 0);
+  EXPECT_EQ(truth.labels.label, image.labels.label);
+  for (std::size_t i = 0; i < truth.depth.depth.size(); ++i)
+    ASSERT_NEAR(truth.depth.depth[i], image.depth.depth[i], 1e-6 * truth.depth.depth[i]);
 }
 
 TEST(SimulatedCamera, TheNoiseHasTheStandardDeviationThatWasAskedFor) {
   for (const double correlation : {0.0, 1.0, 4.0}) {
-    SimulatedNoise noise = noNoise();
-    noise.disparity_std = 0.7;
-    noise.correlation_px = correlation;
-    const auto frame =
-        SimulatedCamera(kCamera, noise, 1).render(sceneOf({wallAt(2)}), Eigen::Isometry3d::Identity(), 0);
+    SimulatedNoise noise = noErrors();
+    noise.disparity_std = 0.7, noise.correlation_px = correlation;
+    const auto frame = rendered(noise, {wallAt(2)});
     const auto errors = disparityErrors(frame, 2);
     ASSERT_EQ(errors.size(), 320u * 240u);
     EXPECT_NEAR(stdOf(errors), 0.7, 0.035) << correlation;
@@ -232,11 +203,9 @@ TEST(SimulatedCamera, TheNoiseHasTheStandardDeviationThatWasAskedFor) {
 TEST(SimulatedCamera, TheNoiseIsCorrelatedOverTheAskedLength) {
   // Neighbours of noise smoothed by a Gaussian of sigma correlate with exp(-1 / (4 sigma^2)).
   const auto neighbourCorrelation = [](double correlation_px) {
-    SimulatedNoise noise = noNoise();
-    noise.disparity_std = 1;
-    noise.correlation_px = correlation_px;
-    const auto frame =
-        SimulatedCamera(kCamera, noise, 1).render(sceneOf({wallAt(2)}), Eigen::Isometry3d::Identity(), 0);
+    SimulatedNoise noise = noErrors();
+    noise.disparity_std = 1, noise.correlation_px = correlation_px;
+    const auto frame = rendered(noise, {wallAt(2)});
     const auto e = disparityErrors(frame, 2);
     double products = 0;
     for (std::size_t i = 0; i + 1 < e.size(); ++i) products += e[i] * e[i + 1];
@@ -247,11 +216,10 @@ TEST(SimulatedCamera, TheNoiseIsCorrelatedOverTheAskedLength) {
 }
 
 TEST(SimulatedCamera, TheDistortionIsFixedSmoothAndOfTheAskedSize) {
-  SimulatedNoise noise = noNoise();
+  SimulatedNoise noise = noErrors();
   noise.distortion = 0.5;
-  const SimulatedCamera camera(kCamera, noise, 1);
-  const auto a = camera.render(sceneOf({wallAt(2)}), Eigen::Isometry3d::Identity(), 0);
-  EXPECT_EQ(a.depth.depth, camera.render(sceneOf({wallAt(2)}), Eigen::Isometry3d::Identity(), 1).depth.depth);
+  const auto a = rendered(noise, {wallAt(2)});
+  EXPECT_EQ(a.depth.depth, rendered(noise, {wallAt(2)}, 1).depth.depth);
   const auto errors = disparityErrors(a, 2);
   EXPECT_NEAR(stdOf(errors), 0.5, 0.01);
   EXPECT_NEAR(meanOf(errors), 0, 0.01);
@@ -260,11 +228,9 @@ TEST(SimulatedCamera, TheDistortionIsFixedSmoothAndOfTheAskedSize) {
 }
 
 TEST(SimulatedCamera, DepthsAreQuantizedInDisparity) {
-  SimulatedNoise noise = noNoise();
-  noise.quantization = 1;
-  noise.disparity_std = 2;
-  const auto frame =
-      SimulatedCamera(kCamera, noise, 1).render(sceneOf({wallAt(3)}), Eigen::Isometry3d::Identity(), 0);
+  SimulatedNoise noise = noErrors();
+  noise.quantization = 1, noise.disparity_std = 2;
+  const auto frame = rendered(noise, {wallAt(3)});
   for (const float z : frame.depth.depth) {
     const double disparity = kinectDisparity(z);
     ASSERT_NEAR(disparity, std::round(disparity), 1e-3);
@@ -272,33 +238,29 @@ TEST(SimulatedCamera, DepthsAreQuantizedInDisparity) {
 }
 
 TEST(SimulatedCamera, SilhouettesAreNoisyButSurfacesAreNot) {
-  SimulatedNoise noise = noNoise();
+  SimulatedNoise noise = noErrors();
   noise.edge_std_px = 2;
-  Rectangle sheet = wallAt(1, 2);
-  sheet.half_u = sheet.half_v = 0.2;
-  const SimulatedCamera camera(kCamera, noise, 1);
-  const auto exact = camera.renderExact(sceneOf({wallAt(3), sheet}), Eigen::Isometry3d::Identity());
-  const auto noisy = camera.render(sceneOf({wallAt(3), sheet}), Eigen::Isometry3d::Identity(), 0);
+  const Rectangle sheet = wallAt(1, 0.2, 2);
+  const auto without = exact({wallAt(3), sheet});
+  const auto noisy = rendered(noise, {wallAt(3), sheet});
   int changed = 0;
-  for (int v = 0; v < kCamera.height; ++v) {
+  for (int v = 0; v < kCamera.height; ++v)
     for (int u = 0; u < kCamera.width; ++u) {
       const float z = noisy.depth.at(u, v);
       ASSERT_TRUE(std::abs(z - 1) < 1e-5 || std::abs(z - 3) < 1e-5) << "never a mixture";
-      if (std::abs(z - exact.depth.at(u, v)) < 1e-5) continue;
+      if (std::abs(z - without.depth.at(u, v)) < 1e-5) continue;
       ++changed;
       const Eigen::Vector3d p = kCamera.ray(u, v);
       const double off_edge = std::abs(std::max(std::abs(p.x()), std::abs(p.y())) - 0.2) * kCamera.fx;
       ASSERT_LT(off_edge, 6) << "px from the silhouette";
     }
-  }
   EXPECT_GT(changed, 100);
 }
 
 TEST(SimulatedCamera, DropoutsHaveNoDepthAndNoLabel) {
-  SimulatedNoise noise = noNoise();
+  SimulatedNoise noise = noErrors();
   noise.random_dropout = 0.1;
-  const auto frame =
-      SimulatedCamera(kCamera, noise, 1).render(sceneOf({wallAt(3)}), Eigen::Isometry3d::Identity(), 0);
+  const auto frame = rendered(noise, {wallAt(3)});
   int lost = 0;
   for (std::size_t i = 0; i < frame.depth.depth.size(); ++i) {
     lost += frame.depth.depth[i] == 0;
@@ -308,23 +270,22 @@ TEST(SimulatedCamera, DropoutsHaveNoDepthAndNoLabel) {
 }
 
 TEST(SimulatedCamera, GrazingAndFarSurfacesAreLost) {
-  SimulatedNoise noise = noNoise();
+  SimulatedNoise noise = noErrors();
   Rectangle floor;
   floor.centre = {0, 1, 0};
   floor.axis_v = Eigen::Vector3d::UnitZ();
   floor.half_u = floor.half_v = 50;
   noise.grazing_dropout_deg = 80;
-  auto frame = SimulatedCamera(kCamera, noise, 1).render(sceneOf({floor}), Eigen::Isometry3d::Identity(), 0);
+  auto frame = rendered(noise, {floor});
   for (int v = 121; v < kCamera.height; ++v) {
     const double angle = std::acos(kCamera.ray(159, v).normalized().y()) / kDegree;
     if (std::abs(angle - 80) > 0.1) {
       ASSERT_EQ(frame.depth.at(159, v) > 0, angle < 80) << v;
     }
   }
-  noise = noNoise();
-  noise.min_depth = 2;
-  noise.max_depth = 4;
-  frame = SimulatedCamera(kCamera, noise, 1).render(sceneOf({floor}), Eigen::Isometry3d::Identity(), 0);
+  noise = noErrors();
+  noise.min_depth = 2, noise.max_depth = 4;
+  frame = rendered(noise, {floor});
   for (const float z : frame.depth.depth) ASSERT_TRUE(z == 0 || (z >= 2 && z <= 4));
 }
 
@@ -349,7 +310,7 @@ TEST(SimulatedCamera, RoundBodiesHaveTheirShapeAndNoLabel) {
         Eigen::Translation3d(0.1, -0.1, 2) * Eigen::AngleAxisd(EIGEN_PI / 2, Eigen::Vector3d::UnitX());
     body.half_size = {0.3, 0.5, 0.7};
     const auto frame =
-        SimulatedCamera(small, noNoise(), 1).renderExact({{}, {body}}, Eigen::Isometry3d::Identity());
+        SimulatedCamera(small, noErrors(), 1).renderExact({{}, {body}}, Eigen::Isometry3d::Identity());
     int seen = 0;
     for (int v = 0; v < small.height; ++v)
       for (int u = 0; u < small.width; ++u) {
@@ -363,13 +324,11 @@ TEST(SimulatedCamera, RoundBodiesHaveTheirShapeAndNoLabel) {
 }
 
 TEST(SimulatedCamera, TheProjectorCastsAShadowAsWideAsTheParallax) {
-  SimulatedNoise noise = noNoise();
+  SimulatedNoise noise = noErrors();
   noise.projector_baseline = 0.075;
-  Rectangle sheet = wallAt(1, 2);
-  sheet.half_u = 0.15;
-  sheet.half_v = 0.2;
-  const auto frame = SimulatedCamera(kCamera, noise, 1)
-                         .render(sceneOf({wallAt(3), sheet}), Eigen::Isometry3d::Identity(), 0);
+  Rectangle sheet = wallAt(1, 100, 2);
+  sheet.half_u = 0.15, sheet.half_v = 0.2;
+  const auto frame = rendered(noise, {wallAt(3), sheet});
   int lost = 0, first = kCamera.width;
   for (int u = 0; u < kCamera.width; ++u)
     if (frame.depth.at(u, 120) == 0) ++lost, first = std::min(first, u);
@@ -380,10 +339,9 @@ TEST(SimulatedCamera, TheProjectorCastsAShadowAsWideAsTheParallax) {
 }
 
 TEST(SimulatedCamera, GlassIsSeenInPatchesAndTheRestShowsTheBackground) {
-  Rectangle pane = wallAt(2, 2);
+  Rectangle pane = wallAt(2, 100, 2);
   pane.material = Material::glass;
-  const auto frame = SimulatedCamera(kCamera, noNoise(), 1)
-                         .render(sceneOf({wallAt(3, 1), pane}), Eigen::Isometry3d::Identity(), 0);
+  const auto frame = rendered(noErrors(), {wallAt(3, 100, 1), pane});
   int glass = 0, borders = 0;
   for (int v = 0; v < kCamera.height; ++v)
     for (int u = 1; u < kCamera.width; ++u) {
@@ -396,13 +354,12 @@ TEST(SimulatedCamera, GlassIsSeenInPatchesAndTheRestShowsTheBackground) {
 }
 
 TEST(SimulatedCamera, DarkSurfacesAreLostFarAwayAndAtASlant) {
-  SimulatedNoise noise = noNoise();
+  SimulatedNoise noise = noErrors();
   noise.dark_range = 3.5;
   const auto shareSeen = [&](double distance, Material material) {
     Rectangle wall = wallAt(distance);
     wall.material = material;
-    const auto frame =
-        SimulatedCamera(kCamera, noise, 1).render(sceneOf({wall}), Eigen::Isometry3d::Identity(), 0);
+    const auto frame = rendered(noise, {wall});
     return 1 - std::count(frame.depth.depth.begin(), frame.depth.depth.end(), 0.f) / (320.0 * 240.0);
   };
   EXPECT_GT(shareSeen(1, Material::dark), 0.99);
@@ -412,11 +369,9 @@ TEST(SimulatedCamera, DarkSurfacesAreLostFarAwayAndAtASlant) {
 }
 
 TEST(SimulatedCamera, TheFactorRaisesTheNoise) {
-  SimulatedNoise noise = noNoise();
-  noise.disparity_std = 0.5;
-  noise.noise_factor = 3;
-  const auto frame =
-      SimulatedCamera(kCamera, noise, 1).render(sceneOf({wallAt(2)}), Eigen::Isometry3d::Identity(), 0);
+  SimulatedNoise noise = noErrors();
+  noise.disparity_std = 0.5, noise.noise_factor = 3;
+  const auto frame = rendered(noise, {wallAt(2)});
   EXPECT_NEAR(stdOf(disparityErrors(frame, 2)), 1.5, 0.05);
 }
 

@@ -68,8 +68,7 @@ TEST_P(SimulatedDrive, SeedsSelectDrives) {
 
 TEST_P(SimulatedDrive, InTimeItKeepsToItsSpeeds) {
   DriveParams even;
-  even.robot.floor_std = 0;
-  even.sway_deg = 10;
+  even.robot.floor_std = 0, even.sway_deg = 10;
   const PaceParams pace;
   const auto poses = simulateDrive(scene_, 900, even, GetParam(), {}, pace);
   ASSERT_EQ(poses.size(), 900u);
@@ -131,8 +130,7 @@ TEST(SimulatedRoute, DrivenInTimeItIsTheSameAsInSteps) {
 
 TEST(SimulatedRoute, WheelsDoNotSlipSidewaysInTime) {
   DriveParams swaying;
-  swaying.robot.floor_std = 0;
-  swaying.sway_deg = 10;
+  swaying.robot.floor_std = 0, swaying.sway_deg = 10;
   const Route there_and_back = {{{0, 0}, 0}, {{6, 0}, 0}};
   const auto poses = simulateDrive(there_and_back, 300, swaying, 3, PaceParams{});
   double farthest = 0;

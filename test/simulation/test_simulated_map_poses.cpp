@@ -21,8 +21,7 @@ std::vector<Eigen::Isometry3d> drive(int n) {
 
 MapPoseErrors errors() {
   MapPoseErrors errors;
-  errors.translation_std = 0.03;
-  errors.rotation_std_deg = 1;
+  errors.translation_std = 0.03, errors.rotation_std_deg = 1;
   return errors;
 }
 

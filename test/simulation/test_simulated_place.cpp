@@ -15,8 +15,7 @@
 namespace facetloc {
 namespace {
 
-using Eigen::Vector2d;
-using Eigen::Vector3d;
+using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr std::uint64_t kSeeds = 12;
 
@@ -193,13 +192,12 @@ TEST_P(SimulatedPlaces, RectanglesOfOneIdAreOnePlane) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const SimulatedPlace p = place(seed);
     std::map<int, Rectangle> first;
-    for (const Scene* scene : {&p.mapped, &p.later}) {
+    for (const Scene* scene : {&p.mapped, &p.later})
       for (const Rectangle& r : scene->rectangles) {
         const Rectangle& other = first.emplace(r.plane_id, r).first->second;
         ASSERT_NEAR(std::abs(r.normal().dot(other.normal())), 1, 1e-9) << r.plane_id;
         ASSERT_NEAR(other.normal().dot(r.centre - other.centre), 0, 1e-9) << r.plane_id;
       }
-    }
   }
 }
 
@@ -306,7 +304,7 @@ TEST_P(SimulatedPlaces, AreClosed) {
     SCOPED_TRACE(seed);
     SimulatedPlace p = place(seed);
     for (auto& r : p.later.rectangles) r.material = Material::matt;  // surfaces behind windows do not count
-    for (const Waypoint& waypoint : p.query_route) {
+    for (const Waypoint& waypoint : p.query_route)
       for (const double yaw_deg : {0, 90, 180, 270}) {
         const auto frame = camera.renderExact(p.later, standing(waypoint.place, yaw_deg * kDegree));
         const auto [nearest, farthest] =
@@ -314,7 +312,6 @@ TEST_P(SimulatedPlaces, AreClosed) {
         ASSERT_GT(*nearest, 0) << waypoint.place.transpose() << ", " << yaw_deg;
         ASSERT_LT(*farthest, kFarthest) << waypoint.place.transpose() << ", " << yaw_deg;
       }
-    }
   }
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The errors of each simulated camera, as statistics of its images.
+#include "simulated_walls.h"
+
 #include <facetloc/features/camera_presets.h>
-#include <facetloc/simulation/simulated_camera.h>
 
 #include <gtest/gtest.h>
 
@@ -15,33 +16,10 @@
 namespace facetloc {
 namespace {
 
-const Intrinsics kCamera{320, 240, 262.5, 262.5, 159.5, 119.5};
-
-Rectangle wallAt(double z, double half = 100, std::uint16_t id = 1) {
-  Rectangle wall;
-  wall.centre = {0, 0, z};
-  wall.half_u = wall.half_v = half;
-  wall.plane_id = id;
-  return wall;
-}
-
-Scene sceneOf(const std::vector<Rectangle>& rectangles) { return {rectangles, {}}; }
-
-/** No error but those that the test sets. */
-SimulatedNoise noErrors() {
-  SimulatedNoise noise;
-  noise.disparity_std = noise.distortion = noise.quantization = noise.edge_std_px = noise.random_dropout = 0;
-  noise.grazing_dropout_deg = 90;
-  noise.grazing_spread_deg = noise.dark_range = noise.projector_baseline = 0;
-  noise.min_depth = 0;
-  noise.max_depth = 1000;
-  return noise;
-}
+using test::kCamera, test::noErrors, test::wallAt;
 
 DepthImage seen(const SimulatedNoise& noise, const std::vector<Rectangle>& rectangles, int frame = 0) {
-  return SimulatedCamera(kCamera, noise, 1)
-      .render(sceneOf(rectangles), Eigen::Isometry3d::Identity(), static_cast<std::uint64_t>(frame))
-      .depth;
+  return test::rendered(noise, rectangles, frame).depth;
 }
 
 double measuredShare(const DepthImage& image) {
@@ -150,9 +128,7 @@ TEST(SimulatedCamera, MultipathMovesTheInsideOfACornerAway) {
   side.centre = {0.5, 0, 1};
   side.axis_u = Eigen::Vector3d::UnitY();
   side.axis_v = Eigen::Vector3d::UnitZ();
-  side.half_u = 100;
-  side.half_v = 1;
-  side.plane_id = 2;
+  side.half_u = 100, side.half_v = 1, side.plane_id = 2;
   const DepthImage image = seen(noise, {wallAt(2), side});
   const auto errorAt = [&](double x) {
     return image.at(static_cast<int>(std::lround(kCamera.cx + kCamera.fx * x / 2)), 120) - 2;
@@ -198,8 +174,7 @@ TEST(SharedErrors, ArePartOfACameraOnlyIfAskedFor) {
 
 TEST(SharedErrors, SmoothErrorIsAShareOfDepthThatNoMeanIsFreeOf) {
   SimulatedNoise noise = noErrors();
-  noise.smooth_error = 0.01;
-  noise.smooth_images = 1;
+  noise.smooth_error = 0.01, noise.smooth_images = 1;
   double squares = 0, of_blocks = 0;
   constexpr int kFrames = 40, kBlock = 40;
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -216,8 +191,7 @@ TEST(SharedErrors, SmoothErrorIsAShareOfDepthThatNoMeanIsFreeOf) {
 
 TEST(SharedErrors, SmoothErrorChangesSlowlyFromImageToImage) {
   SimulatedNoise noise = noErrors();
-  noise.smooth_error = 0.01;
-  noise.smooth_images = 10;
+  noise.smooth_error = 0.01, noise.smooth_images = 10;
   const DepthImage first = seen(noise, {wallAt(2)}, 0);
   EXPECT_GT(correlation(first, seen(noise, {wallAt(2)}, 1), 2), 0.9);
   double far = 0;

@@ -16,8 +16,7 @@ Scene wall(double std, std::uint64_t seed = 1) {
   r.centre = {0, 0, 3};
   r.half_u = r.half_v = 100;
   Scene scene{{r}, {}};
-  scene.bending.std = std;
-  scene.bending.seed = seed;
+  scene.bending.std = std, scene.bending.seed = seed;
   return scene;
 }
 
@@ -50,8 +49,7 @@ TEST(SurfaceBending, BelongsToTheSurfaceAndNotToTheCamera) {
   const Eigen::Isometry3d T = at(0.8, -0.2);
   const DepthImage second = seenFrom(scene, T);
   for (int u = 70; u < 150; u += 5) {
-    const Eigen::Vector3d p = first.at(u, 60) * kCamera.ray(u, 60);
-    const Eigen::Vector3d q = T.inverse() * p;
+    const Eigen::Vector3d p = first.at(u, 60) * kCamera.ray(u, 60), q = T.inverse() * p;
     const Eigen::Vector2d pixel = kCamera.project(q);
     const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
     ASSERT_TRUE(x >= 0 && y >= 0 && x < kCamera.width && y < kCamera.height);
