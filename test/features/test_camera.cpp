@@ -3,14 +3,11 @@
 #include <facetloc/features/local_model.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace facetloc {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty;
 using Mounting = CameraDifference::Mounting;
 
 Camera robotCamera() {

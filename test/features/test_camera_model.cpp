@@ -16,10 +16,7 @@
 namespace facetloc {
 namespace {
 
-using test::IsPositiveSemidefinite;
-using test::MatrixNear;
-using test::Rng;
-using test::uniform;
+using test::IsPositiveSemidefinite, test::MatrixNear, test::Rng, test::uniform;
 
 // The point of a raw Kinect measurement (u, v, disparity), METHOD 2.1.
 Eigen::Vector3d kinectPoint(const Intrinsics& c, const Eigen::Vector3d& uvd) {

@@ -2,7 +2,6 @@
 #include <facetloc/features/camera_presets.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
@@ -15,9 +14,7 @@ using testing::HasSubstr;
 
 TEST(DepthNoise, IsTheSumOfItsPartsInDepthAndInInverseDepth) {
   DepthNoise noise;
-  noise.inverse_depth_std = 0.001;
-  noise.depth_std = 0.004;
-  noise.depth_std_slope = 0.002;
+  noise.inverse_depth_std = 0.001, noise.depth_std = 0.004, noise.depth_std_slope = 0.002;
   EXPECT_FALSE(noise.isConstantInInverseDepth());
   for (const double z : {0.3, 1.0, 2.0, 7.0}) {
     EXPECT_DOUBLE_EQ(noise.ofDepth(z), 0.004 + 0.002 * z + 0.001 * z * z);
@@ -29,8 +26,7 @@ TEST(DepthNoise, IsTheSumOfItsPartsInDepthAndInInverseDepth) {
 
 TEST(DepthNoise, IsScaledAsAWhole) {
   DepthNoise noise;
-  noise.depth_std = 0.004;
-  noise.depth_std_slope = 0.002;
+  noise.depth_std = 0.004, noise.depth_std_slope = 0.002;
   const DepthNoise twice = noise.scaledTo(2 * noise.ofInverseDepth(1.7), 1.7);
   for (const double z : {0.5, 1.7, 4.0}) EXPECT_NEAR(twice.ofDepth(z), 2 * noise.ofDepth(z), 1e-12) << z;
   EXPECT_EQ(DepthNoise().scaledTo(0.007, 2.3).inverse_depth_std, 0.007) << "to the last digit";

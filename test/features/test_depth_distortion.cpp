@@ -79,8 +79,7 @@ TEST(DepthCorrection, GivesBackTheUndistortedImage) {
   const DepthDistortion d = example(smallCamera());
   DepthCorrection correct(d);
   for (const int step : {1, 2, 1}) {
-    const DepthImage truth = wall(smallCamera().subsampled(step));
-    const DepthImage found = correct(distorted(d, truth));
+    const DepthImage truth = wall(smallCamera().subsampled(step)), found = correct(distorted(d, truth));
     ASSERT_EQ(found.camera, truth.camera);
     for (std::size_t i = 0; i < truth.depth.size(); ++i)
       EXPECT_NEAR(found.depth[i], truth.depth[i], 2e-5) << i;

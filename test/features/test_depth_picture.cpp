@@ -6,15 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 
 namespace facetloc {
 namespace {
 
-using test::Rng;
-using test::uniform;
+using test::Rng, test::uniform;
 
 DepthImage randomImage(Rng& rng, int width, int height, double valid_share) {
   DepthImage image;

@@ -4,19 +4,13 @@
 #include <facetloc/testing/random_segments.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <limits>
 
 namespace facetloc {
 namespace {
 
-using test::PoseNear;
-using test::randomPose;
-using test::Rng;
-using test::uniform;
-using testing::ElementsAre;
-using testing::IsEmpty;
+using test::PoseNear, test::randomPose, test::Rng, test::uniform, testing::ElementsAre, testing::IsEmpty;
 
 Map mapOfModels(int n) {
   Map map;

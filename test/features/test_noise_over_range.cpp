@@ -5,18 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <vector>
 
 namespace facetloc {
 namespace {
 
-using test::endlessPlane;
-using test::noisy;
-using test::render;
-using test::smallCamera;
-using test::smoothlyNoisy;
+using test::endlessPlane, test::noisy, test::render, test::smallCamera, test::smoothlyNoisy;
 
 DepthImage wallAt(double z) { return render({endlessPlane({0, 0, z}, {0.1, 0.05, 1})}, smallCamera()).image; }
 
@@ -33,9 +28,7 @@ std::vector<NoiseSample> samplesOf(const DepthNoise& noise) {
 
 DepthNoise noiseOf(double inverse_depth_std, double depth_std, double slope) {
   DepthNoise noise;
-  noise.inverse_depth_std = inverse_depth_std;
-  noise.depth_std = depth_std;
-  noise.depth_std_slope = slope;
+  noise.inverse_depth_std = inverse_depth_std, noise.depth_std = depth_std, noise.depth_std_slope = slope;
   return noise;
 }
 

@@ -6,16 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace facetloc {
 namespace {
 
-using test::organizedCloud;
-using test::render;
-using test::Rng;
-using test::uniform;
+using test::organizedCloud, test::render, test::Rng, test::uniform;
 
 DepthImage roomImage(const Intrinsics& camera) {
   return render(test::furnishedRoom(), camera, test::lookingAlong({1, 0.5, 1.2}, {0.4, 1, -0.2})).image;
@@ -87,8 +83,7 @@ TEST(RecoverIntrinsics, AllColumnsAreLookedAt) {
 
 TEST(RecoverIntrinsics, CloudsThatAreNoImageHaveNone) {
   Cloud cloud = *organizedCloud<pcl::PointXYZ>(roomImage(test::tinyCamera()));
-  cloud.width *= cloud.height;
-  cloud.height = 1;
+  cloud.width *= cloud.height, cloud.height = 1;
   EXPECT_FALSE(recoverIntrinsics(cloud));  // not organized
   EXPECT_FALSE(recoverIntrinsics(Cloud{}));
   Rng rng(2);

@@ -3,7 +3,6 @@
 #include <facetloc/features/params.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
@@ -12,8 +11,7 @@
 namespace facetloc {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using testing::ElementsAre, testing::HasSubstr;
 
 struct Inner {
   static constexpr const char* kTitle = "Inner things";
@@ -109,8 +107,7 @@ TEST(Params, DefaultsAreValid) { EXPECT_NO_THROW(SensorNoise{}.validate()); }
 
 TEST(Params, TheFirstFieldOutsideItsRangeIsNamed) {
   SensorNoise p;
-  p.distortion_offset = 1.5;
-  p.depth_std_slope = -1;
+  p.distortion_offset = 1.5, p.depth_std_slope = -1;
   try {
     p.validate();
     FAIL() << "1.5 was accepted";

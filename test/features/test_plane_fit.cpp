@@ -13,9 +13,7 @@
 namespace facetloc {
 namespace {
 
-using test::MatrixNear;
-using test::Rng;
-using test::uniform;
+using test::MatrixNear, test::Rng, test::uniform;
 
 struct Pixel {
   double u, v, d;
@@ -44,8 +42,7 @@ TEST(PixelPlane, RoundTripsThroughSpace) {
   Rng rng(1);
   const Intrinsics camera = test::smallCamera();
   for (int i = 0; i < 200; ++i) {
-    const PixelPlane plane = randomPlane(rng);
-    const PixelPlane again = PixelPlane::fromSpace(plane.toSpace(camera), camera);
+    const PixelPlane plane = randomPlane(rng), again = PixelPlane::fromSpace(plane.toSpace(camera), camera);
     EXPECT_NEAR(again.a, plane.a, 1e-10);
     EXPECT_NEAR(again.b, plane.b, 1e-10);
     EXPECT_NEAR(again.c, plane.c, 1e-10);

@@ -11,12 +11,7 @@
 namespace facetloc {
 namespace {
 
-using test::gaussian;
-using test::IsRotation;
-using test::MatrixNear;
-using test::PoseNear;
-using test::randomDirection;
-using test::Rng;
+using test::gaussian, test::IsRotation, test::MatrixNear, test::PoseNear, test::randomDirection, test::Rng;
 
 TEST(Pose, PerturbationUndoesPerturbed) {
   Rng rng(8);
@@ -46,10 +41,7 @@ TEST(Pose, APosePerturbedAgainAndAgainStaysAPose) {
 
 TEST(Pose, NearIsBothInPlaceAndInDirection) {
   const auto at = [](double x, double degrees) {
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.translation().x() = x;
-    T.linear() = expSO3({0, 0, degrees * kDegree});
-    return T;
+    return Eigen::Translation3d(x, 0, 0) * Eigen::Isometry3d(expSO3({0, 0, degrees * kDegree}));
   };
   EXPECT_TRUE(isNear(at(0, 0), at(0.19, 2.9), 0.2, 3));
   EXPECT_FALSE(isNear(at(0, 0), at(0.21, 0), 0.2, 3));

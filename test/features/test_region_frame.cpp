@@ -14,8 +14,7 @@
 namespace facetloc {
 namespace {
 
-using test::MatrixNear;
-using test::Rng;
+using test::MatrixNear, test::Rng;
 
 const Eigen::Vector3d kHere = Eigen::Vector3d::Zero();
 

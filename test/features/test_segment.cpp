@@ -10,10 +10,7 @@
 namespace facetloc {
 namespace {
 
-using test::MatrixNear;
-using test::rectangleHull;
-using test::Rng;
-using test::uniform;
+using test::MatrixNear, test::rectangleHull, test::Rng, test::uniform;
 
 ConvexHull regularPolygon(int n, float radius) {
   ConvexHull hull;

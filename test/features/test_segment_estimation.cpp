@@ -16,17 +16,8 @@
 namespace facetloc {
 namespace {
 
-using test::endlessPlane;
-using test::IsPositiveSemidefinite;
-using test::IsRotation;
-using test::MatrixNear;
-using test::noisy;
-using test::render;
-using test::Rng;
-using test::Scene;
-using test::smallCamera;
-using test::uniform;
-using testing::ElementsAre;
+using test::endlessPlane, test::IsPositiveSemidefinite, test::IsRotation, test::MatrixNear, test::noisy,
+    test::render, test::Rng, test::Scene, test::smallCamera, test::uniform, testing::ElementsAre;
 
 constexpr double kDisparityUnit = 1 / kKinectGain;
 
@@ -357,8 +348,7 @@ TEST(SegmentCovariance, DefaultModelHasTheTermsOfTheMeasuredMethod) {
   Eigen::Matrix3d bb = Eigen::Matrix3d::Zero();
   for (int v = 60; v <= 179; ++v)
     for (int u = 80; u <= 239; ++u) bb += p.image.camera.ray(u, v) * p.image.camera.ray(u, v).transpose();
-  const double N = 160 * 120, independent = std::max(8.0, N / 100);
-  const double du = kDisparityUnit;
+  const double N = 160 * 120, independent = std::max(8.0, N / 100), du = kDisparityUnit;
   Eigen::Matrix3d Sigma_m = N / independent * std::pow(0.5 * du, 2) * bb.inverse();
   Sigma_m.diagonal() += Eigen::Vector3d(0.25, 0.25, 0.0625) * du * du;
   Eigen::Matrix3d want = slopeOffsetCovariance(s.R, s.t, s.offset(), Sigma_m) +

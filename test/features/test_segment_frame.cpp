@@ -16,9 +16,7 @@
 namespace facetloc {
 namespace {
 
-using test::MatrixNear;
-using test::randomSegment;
-using test::Rng;
+using test::MatrixNear, test::randomSegment, test::Rng;
 
 std::vector<Segment> randomSegments(int n) {
   Rng rng(1);

@@ -3,7 +3,6 @@
 #include <facetloc/testing/organized_clouds.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +12,7 @@
 namespace facetloc {
 namespace {
 
-using test::organizedCloud;
-using test::Rendering;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using test::organizedCloud, test::Rendering, testing::HasSubstr, testing::IsEmpty;
 
 pcl::PointCloud<pcl::Label>::Ptr labelCloud(const LabelImage& labels) {
   auto cloud = pcl::make_shared<pcl::PointCloud<pcl::Label>>(labels.width, labels.height);

@@ -11,12 +11,7 @@
 namespace facetloc {
 namespace {
 
-using test::gaussian;
-using test::IsRotation;
-using test::MatrixNear;
-using test::PoseNear;
-using test::randomDirection;
-using test::Rng;
+using test::gaussian, test::IsRotation, test::MatrixNear, test::PoseNear, test::randomDirection, test::Rng;
 
 constexpr double kPi = 3.14159265358979323846;
 

@@ -13,12 +13,8 @@ using testing::HasSubstr;
 
 SureThreshold someThreshold() {
   SureThreshold t;
-  t.min_probability = 0.998;
-  t.alpha = 0.01;
-  t.confidence = 0.95;
-  t.images = 600;
-  t.sure = 412;
-  t.wrong = 1;
+  t.min_probability = 0.998, t.alpha = 0.01, t.confidence = 0.95, t.images = 600;
+  t.sure = 412, t.wrong = 1;
   t.source = "walks from here to there";
   return t;
 }

@@ -13,15 +13,10 @@
 #include <vector>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::blankDisparity;
-using test::randomDisparity;
-using test::Rng;
-using test::roomDisparity;
-using test::uniform;
+using namespace internal;
+using test::blankDisparity, test::randomDisparity, test::Rng, test::roomDisparity, test::uniform;
 
 constexpr float kAnything = std::numeric_limits<float>::infinity();
 

@@ -13,13 +13,10 @@
 #include <utility>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::blankDisparity;
-using test::randomDisparity;
-using test::roomDisparity;
+using namespace internal;
+using test::blankDisparity, test::randomDisparity, test::roomDisparity;
 using Vertex = DepthTriangulation::Vertex;
 using Triangle = DepthTriangulation::Triangle;
 
@@ -37,6 +34,12 @@ Wide inCircle(const Vertex& a, const Vertex& b, const Vertex& c, const Vertex& d
   const auto square = [&](int i) { return m[i][0] * m[i][0] + m[i][1] * m[i][1]; };
   const auto minor = [&](int i, int k) { return m[i][0] * m[k][1] - m[i][1] * m[k][0]; };
   return square(0) * minor(1, 2) - square(1) * minor(0, 2) + square(2) * minor(0, 1);
+}
+
+DepthTriangulation splitOf(const DisparityImage& image, const SplitParams& params = {}) {
+  DepthTriangulation split(params);
+  split.compute(image);
+  return split;
 }
 
 struct Named {
@@ -165,11 +168,9 @@ TEST_P(EveryImage, VerticesArePutWhereATriangleDeviatesMost) {
   for (int n = kGrid; n < 60; ++n) {
     SplitParams p;
     p.max_vertices = n;
-    DepthTriangulation before(p);
-    before.compute(image());
+    const DepthTriangulation before = splitOf(image(), p);
     p.max_vertices = n + 1;
-    DepthTriangulation after(p);
-    after.compute(image());
+    const DepthTriangulation after = splitOf(image(), p);
     if (static_cast<int>(after.vertices().size()) <= n) return;
     const Vertex& added = after.vertices().back();
     for (const Triangle& t : before.triangles()) {
@@ -253,8 +254,7 @@ TEST(DepthTriangulation, DisparitiesLikeInfinityLeaveItATriangulation) {
       test::Rng rng(seed);
       for (unsigned i = 0; i <= seed % 7; ++i)
         image.d[static_cast<std::size_t>(test::uniform(rng, 0, 64 * 48 - 1))] = huge;
-      DepthTriangulation split;
-      split.compute(image);
+      const DepthTriangulation split = splitOf(image);
       int pixels = 0;
       for (const Triangle& t : split.triangles()) {
         ASSERT_GT(orientation(split.vertices()[t.vertex[0]], split.vertices()[t.vertex[1]],
@@ -270,8 +270,7 @@ TEST(DepthTriangulation, OneValidPixelGivesAPlaneThroughIt) {
   for (const int at : {0, 39, 620, 1199}) {
     DisparityImage image = blankDisparity(40, 30);
     image.d[at] = 500;
-    DepthTriangulation split;
-    split.compute(image);
+    const DepthTriangulation split = splitOf(image);
     ASSERT_FALSE(split.triangles().empty());
     for (const Vertex& p : split.vertices()) EXPECT_EQ(p.d, 500);
     for (const Triangle& t : split.triangles()) EXPECT_EQ(t.max_deviation, 0);
@@ -288,8 +287,7 @@ TEST(DepthTriangulation, AnExactPlaneIsTheGridItStartsWith) {
     for (int v = 0; v < h; ++v)
       for (int u = 0; u < w; ++u)
         image.d[static_cast<std::size_t>(v) * w + u] = static_cast<float>(2000 + 2 * u - v);
-    DepthTriangulation split;
-    split.compute(image);
+    const DepthTriangulation split = splitOf(image);
     EXPECT_EQ(split.vertices().size(), 4u + grid) << w;
     // Corners outside the image have the depth of the pixel beside them.
     for (const Triangle& t : split.triangles()) EXPECT_LE(t.max_deviation, 2) << w;
@@ -299,8 +297,7 @@ TEST(DepthTriangulation, AnExactPlaneIsTheGridItStartsWith) {
 TEST(DepthTriangulation, TheFillRuleIsScaledWithTheImage) {
   DisparityImage image = randomDisparity(640, 480, 0.4, 5);
   for (float& d : image.d) d = d > 0 ? 300.f : 0.f;
-  DepthTriangulation split;
-  split.compute(image);
+  const DepthTriangulation split = splitOf(image);
   const auto poorlyFilled = [&](double size) {
     return std::count_if(split.triangles().begin(), split.triangles().end(), [&](const Triangle& t) {
       return t.num_valid >= size && t.num_valid < 0.5 * t.num_pixels;
@@ -314,8 +311,7 @@ TEST(DepthTriangulation, SmallTrianglesAreNotRefined) {
   const DisparityImage image = randomDisparity(64, 48, 1, 3);  // wants a vertex at each pixel
   SplitParams params;
   params.min_area = 8 / scaledPixels(1, image.camera);  // 8 px of this image
-  DepthTriangulation split(params);
-  split.compute(image);
+  const DepthTriangulation split = splitOf(image, params);
   const std::size_t refined = split.vertices().size();
   for (const Triangle& t : split.triangles()) {
     const auto& v = split.vertices();
@@ -323,8 +319,7 @@ TEST(DepthTriangulation, SmallTrianglesAreNotRefined) {
     EXPECT_TRUE(twice_area <= 16 || t.max_deviation <= params.tolerance);
   }
   params.min_area = 0;
-  DepthTriangulation whole(params);
-  whole.compute(image);
+  const DepthTriangulation whole = splitOf(image, params);
   EXPECT_GT(whole.vertices().size(), refined);
 }
 
@@ -332,40 +327,28 @@ TEST(DepthTriangulation, CornersWithoutDepthTakeThatOfTheNearestPixel) {
   DisparityImage image = blankDisparity(40, 30);
   for (int v = 10; v < 20; ++v)
     for (int u = 10; u < 30; ++u) image.d[static_cast<std::size_t>(v) * 40 + u] = u < 20 ? 100.f : 104.f;
-  DepthTriangulation split;
-  split.compute(image);
+  const DepthTriangulation split = splitOf(image);
   const float want[] = {100, 104, 104, 100};
   for (int k = 0; k < 4; ++k) EXPECT_EQ(split.vertices()[k].d, want[k]);
 }
 
 TEST(DepthTriangulation, VertexLimitIsKept) {
-  SplitParams params;
-  params.max_vertices = 50;
-  DepthTriangulation split(params);
-  split.compute(randomDisparity(64, 48, 1, 1));
-  EXPECT_EQ(split.vertices().size(), 50u);
-}
-
-TEST(DepthTriangulation, TheGridAlsoKeepsTheVertexLimit) {
-  SplitParams params;
-  for (const int limit : {4, 10}) {
+  const auto limited = [](const DisparityImage& image, int limit) {
+    SplitParams params;
     params.max_vertices = limit;
-    DepthTriangulation split(params);
-    split.compute(randomDisparity(64, 48, 1, 1));
-    EXPECT_EQ(split.vertices().size(), static_cast<std::size_t>(limit));
-  }
-  params.max_vertices = 100;
-  DepthTriangulation split(params);
-  split.compute(randomDisparity(8, 800, 1, 1));  // would be a grid of 1600
-  EXPECT_EQ(split.vertices().size(), 100u);
+    return splitOf(image, params).vertices().size();
+  };
+  EXPECT_EQ(limited(randomDisparity(64, 48, 1, 1), 50), 50u);
+  for (const int limit : {4, 10})
+    EXPECT_EQ(limited(randomDisparity(64, 48, 1, 1), limit), std::size_t(limit)) << "by the grid as well";
+  EXPECT_EQ(limited(randomDisparity(8, 800, 1, 1), 100), 100u) << "where the grid would have 1600";
 }
 
 TEST(DepthTriangulation, TrianglesKnowAllTheirPixelsAtTheVertexLimit) {
   const DisparityImage image = randomDisparity(320, 240, 1, 1);
   SplitParams params;
   params.max_vertices = 12;
-  DepthTriangulation split(params);
-  split.compute(image);
+  const DepthTriangulation split = splitOf(image, params);
   for (const Triangle& t : split.triangles()) {
     int pixels = 0, valid = 0;
     double largest = 0;
@@ -391,8 +374,7 @@ TEST(DepthTriangulation, IsExactAtTheLargestSize) {
           static_cast<float>(500 + std::abs(u - 1023) * 0.5 + 40 * ((u / 700 + v / 500) % 2));
   SplitParams params;
   params.max_vertices = 1000;  // the grid has 676
-  DepthTriangulation split(params);
-  split.compute(image);
+  const DepthTriangulation split = splitOf(image, params);
   for (const Triangle& t : split.triangles()) {
     const Vertex &a = split.vertices()[t.vertex[0]], &b = split.vertices()[t.vertex[1]],
                  &c = split.vertices()[t.vertex[2]];
@@ -406,9 +388,7 @@ TEST(DepthTriangulation, AConstantOffsetChangesNothing) {
   DisparityImage shifted = image;
   for (float& d : shifted.d)
     if (d > 0) d += 256;
-  DepthTriangulation a, b;
-  a.compute(image);
-  b.compute(shifted);
+  const DepthTriangulation a = splitOf(image), b = splitOf(shifted);
   ASSERT_EQ(a.vertices().size(), b.vertices().size());
   for (std::size_t i = 0; i < a.vertices().size(); ++i) {
     EXPECT_EQ(a.vertices()[i].u, b.vertices()[i].u);

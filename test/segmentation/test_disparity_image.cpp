@@ -12,14 +12,10 @@
 #include <limits>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::endlessPlane;
-using test::noisy;
-using test::render;
-using test::smallCamera;
+using namespace internal;
+using test::endlessPlane, test::noisy, test::render, test::smallCamera;
 
 DepthImage wall() { return render({endlessPlane({0, 0, 2}, {0.3, 0.2, 1})}, smallCamera()).image; }
 

@@ -8,10 +8,9 @@
 #include <tuple>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
+using namespace internal;
 using Edge = EdgeQueue::Edge;
 
 struct Order {

@@ -3,7 +3,6 @@
 #include <facetloc/testing/organized_clouds.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
@@ -26,8 +25,7 @@ POINT_CLOUD_REGISTER_POINT_STRUCT(facetloc::test::PointOfAUser,
 namespace facetloc {
 namespace {
 
-using test::organizedCloud;
-using testing::HasSubstr;
+using test::organizedCloud, testing::HasSubstr;
 
 template <typename PointT>
 class PlanarSegmentationTest : public testing::Test {

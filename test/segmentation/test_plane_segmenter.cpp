@@ -15,17 +15,8 @@
 namespace facetloc {
 namespace {
 
-using test::box;
-using test::endlessPlane;
-using test::lookingAlong;
-using test::noisy;
-using test::render;
-using test::Rendering;
-using test::Rng;
-using test::rounded;
-using test::Scene;
-using test::smallCamera;
-using test::uniform;
+using test::box, test::endlessPlane, test::lookingAlong, test::noisy, test::render, test::Rendering,
+    test::Rng, test::rounded, test::Scene, test::smallCamera, test::uniform;
 
 constexpr double kDisparityUnit = 1 / kKinectGain;
 
@@ -131,23 +122,14 @@ DepthImage steppedWall(double step, int at) {
   return image;
 }
 
-TEST_P(EverySplit, AStepOfSixDisparityUnitsSplits) {
-  for (const int at : {60, 160, 280}) {
-    const LabelledPlanes s = segmented(steppedWall(6, at));
-    EXPECT_EQ(s.planes.size(), 2u) << at;
-    for (unsigned seed = 0; seed < 3; ++seed)
-      EXPECT_EQ(segmented(rounded(noisy(steppedWall(6, at), 0.5 * kDisparityUnit, seed))).planes.size(), 2u)
-          << at;
-  }
-}
-
-TEST_P(EverySplit, AStepOfOneDisparityUnitDoesNot) {
-  for (const int at : {60, 160, 280}) {
-    EXPECT_EQ(segmented(steppedWall(1, at)).planes.size(), 1u) << at;
-    for (unsigned seed = 0; seed < 3; ++seed)
-      EXPECT_EQ(segmented(rounded(noisy(steppedWall(1, at), 0.5 * kDisparityUnit, seed))).planes.size(), 1u)
-          << at;
-  }
+TEST_P(EverySplit, AStepOfSixDisparityUnitsSplitsAndOneOfOneDoesNot) {
+  for (const auto& [step, planes] : {std::pair{6.0, 2u}, {1.0, 1u}})
+    for (const int at : {60, 160, 280}) {
+      const DepthImage wall = steppedWall(step, at);
+      EXPECT_EQ(segmented(wall).planes.size(), planes) << at;
+      for (unsigned seed = 0; seed < 3; ++seed)
+        EXPECT_EQ(segmented(rounded(noisy(wall, 0.5 * kDisparityUnit, seed))).planes.size(), planes) << at;
+    }
 }
 
 // Number of wrong labels among the pixels that are farther than this distance [px] from any other true face.

@@ -12,13 +12,10 @@
 #include <vector>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::blankDisparity;
-using test::randomDisparity;
-using test::roomDisparity;
+using namespace internal;
+using test::blankDisparity, test::randomDisparity, test::roomDisparity;
 
 DisparityImage planeOf(int width, int height, float a, float b, float c) {
   DisparityImage image = blankDisparity(width, height);

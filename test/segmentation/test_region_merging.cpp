@@ -10,15 +10,10 @@
 #include <cmath>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::blankDisparity;
-using test::randomDisparity;
-using test::Rng;
-using test::roomDisparity;
-using test::uniform;
+using namespace internal;
+using test::blankDisparity, test::randomDisparity, test::Rng, test::roomDisparity, test::uniform;
 
 struct Merged {
   explicit Merged(const DisparityImage& image, const MergeParams& params = {}) : merging(params) {
@@ -63,8 +58,7 @@ TEST(RegionMerging, CostIsTheLargerOfResidualAndDisplacement) {
     const auto a = randomRegion(rng, 10 + i), b = randomRegion(rng, 200 - i);
     auto both = a;
     both.insert(both.end(), b.begin(), b.end());
-    const double sse_a = sseOf(a), sse_b = sseOf(b), sse = sseOf(both);
-    const double rms = std::sqrt(sse / both.size());
+    const double sse_a = sseOf(a), sse_b = sseOf(b), sse = sseOf(both), rms = std::sqrt(sse / both.size());
     const double displacement = std::sqrt((sse - sse_a - sse_b) / std::min(a.size(), b.size()));
     const double cost = RegionMerging::cost(momentsOf(a), sse_a, momentsOf(b), sse_b);
     EXPECT_NEAR(cost, std::max(rms, displacement), 1e-5 * (1 + cost));
@@ -131,8 +125,7 @@ TEST(RegionMerging, RegionsAreConnectedAndNoNeighboursCouldStillMerge) {
   const auto& region = m.merging.regionOfLeaf();
   const auto& triangles = m.split.triangles();
   // Connected: the triangles of a region are reached from one of them over shared edges.
-  std::vector<char> reached(triangles.size(), 0);
-  std::vector<char> begun(m.merging.regions().size(), 0);
+  std::vector<char> reached(triangles.size(), 0), begun(m.merging.regions().size(), 0);
   for (std::size_t start = 0; start < triangles.size(); ++start) {
     if (region[start] < 0 || reached[start]) continue;
     EXPECT_FALSE(begun[region[start]]) << "region " << region[start] << " falls apart";

@@ -11,15 +11,10 @@
 #include <vector>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::endlessPlane;
-using test::noisy;
-using test::render;
-using test::smallCamera;
-using test::smoothlyNoisy;
+using namespace internal;
+using test::endlessPlane, test::noisy, test::render, test::smallCamera, test::smoothlyNoisy;
 
 constexpr double kStereo = 0.0035;  // [1/m]
 

@@ -13,10 +13,7 @@
 namespace facetloc {
 namespace {
 
-using test::lookingAlong;
-using test::noisy;
-using test::render;
-using test::smallCamera;
+using test::lookingAlong, test::noisy, test::render, test::smallCamera;
 
 DepthImage roomImage(unsigned seed = 1) {
   return noisy(
