@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <json/json.h>
-#include <limits>
 
 /** \file
  * The contents of the figures of the METHOD documents, computed by the library on simulated views. Numbers

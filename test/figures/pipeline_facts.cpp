@@ -6,7 +6,6 @@
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_run.h>
 
-#include <algorithm>
 #include <memory>
 #include <stdexcept>
 

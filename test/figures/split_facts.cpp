@@ -7,8 +7,6 @@
 #include <facetloc/simulation/simulated_run.h>
 #include <facetloc/testing/synthetic_depth.h>
 
-#include <algorithm>
-
 namespace facetloc::figures {
 
 Json::Value splitFacts() {

@@ -9,11 +9,7 @@ using namespace internal;
 
 namespace {
 
-Eigen::Isometry3d along(double x) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation().x() = x;
-  return T;
-}
+Eigen::Isometry3d along(double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); }
 
 CameraSpeed after(int images, double interval) {
   CameraSpeed speed;

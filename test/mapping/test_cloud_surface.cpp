@@ -50,8 +50,7 @@ TEST(CloudSurface, IsAsSmoothAsTheMeanOfItsNeighbours) {
 }
 
 TEST(CloudSurface, LeavesHolesOpenAndInventsNothingNear) {
-  Points points = wall(0.02, 0);
-  Points with_hole;
+  Points points = wall(0.02, 0), with_hole;
   for (const pcl::PointXYZ& p : points)
     if (std::hypot(p.x, p.y) > 0.3) with_hole.push_back(p);
   const CloudSurface surface(fieldsOf(with_hole));
@@ -89,9 +88,10 @@ TEST(CloudSurface, AgreesWithRangeImages) {
     }
   }
   const CloudSurface surface(fieldsOf(points));
-  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
-  T_w_c.linear() = (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished() * expSO3({0.2, 0.4, 0});
-  T_w_c.translation() << -1, 0, 1.2;
+  const Eigen::Isometry3d T_w_c =
+      Eigen::Translation3d(-1, 0, 1.2) *
+      Eigen::Isometry3d((Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished() *
+                        expSO3({0.2, 0.4, 0}));
   const DepthImage image = surface.render(kCamera, T_w_c);
   pcl::RangeImagePlanar control;
   control.createFromPointCloudWithFixedSize(

@@ -13,10 +13,7 @@ namespace {
 constexpr PlaceTolerance kTolerance{0.3, 5 * kDegree};
 
 Eigen::Isometry3d at(double x, double y, double heading_deg) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, heading_deg * kDegree});
-  T.translation() << x, y, 1;
-  return T;
+  return Eigen::Translation3d(x, y, 1) * Eigen::Isometry3d(expSO3({0, 0, heading_deg * kDegree}));
 }
 
 /** A session of a few keyframes, and where it is in the map. */

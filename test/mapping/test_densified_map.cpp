@@ -41,8 +41,7 @@ Map drivenMap() {
 
 DensifyParams few() {
   DensifyParams params;
-  params.reach = 0.7;
-  params.rotation_deg = 30;
+  params.reach = 0.7, params.rotation_deg = 30;
   return params;
 }
 
@@ -185,8 +184,7 @@ TEST(DensifiedMap, StrangeNamesInTheMapMarkNothing) {
 TEST(DensifiedMap, MergedMapsKnowTheirRenderedViews) {
   Map a = drivenMap();
   const std::size_t rendered = densify(a, few()).rendered;
-  const Map b = a;
-  const Map merged = mergedMap({a, b}, {"a", "b"});
+  const Map b = a, merged = mergedMap({a, b}, {"a", "b"});
   EXPECT_EQ(renderedIn(merged), 2 * rendered);
 }
 

@@ -48,10 +48,8 @@ BoxMesh building() {
 
 /** A robot in one of the rooms. */
 Eigen::Isometry3d cameraAt(double x, double y, double heading_deg) {
-  Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
-  T_w_b.rotate(Eigen::AngleAxisd(heading_deg * kDegree, Eigen::Vector3d::UnitZ()));
-  T_w_b.translation() << x, y, 0;
-  return T_w_b * robotCamera().mounting->T_b_c();
+  return Eigen::Translation3d(x, y, 0) * Eigen::AngleAxisd(heading_deg * kDegree, Eigen::Vector3d::UnitZ()) *
+         robotCamera().mounting->T_b_c();
 }
 
 Map mapOf(const std::shared_ptr<const Surface>& surface, const std::vector<Eigen::Isometry3d>& viewpoints) {

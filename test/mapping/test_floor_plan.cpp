@@ -13,8 +13,7 @@
 namespace facetloc {
 namespace {
 
-using Eigen::Vector2d;
-using Eigen::Vector2i;
+using Eigen::Vector2d, Eigen::Vector2i;
 
 /** A wall as it is drawn: a rectangle about a middle [m], turned. */
 struct DrawnWall {

@@ -9,8 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace facetloc::internal {
 namespace {
 
@@ -64,8 +62,7 @@ TEST(FreePlaces, FollowTheUpwardDirection) {
   on_side.add({-0.2f, 0, 0}, {0, 6, 4}).add({2.5f, 0, 0}, {2.7f, 6, 4}).add({0, -0.2f, 0}, {2.5f, 0, 4});
   on_side.add({0, 6, 0}, {2.5f, 6.2f, 4}).add({0, 0, -0.2f}, {2.5f, 6, 0}).add({0, 0, 4}, {2.5f, 6, 4.2f});
   const MeshSurface surface(on_side.mesh());
-  Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();
-  T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX());
+  const Eigen::Isometry3d T_w_up(rotationBetween(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()));
   const auto places = freePlaces(SpaceProbe(surface, T_w_up), robot(), inOrder).positions;
   EXPECT_GT(places.size(), 60u);
   for (const Eigen::Vector3d& p : places) EXPECT_NEAR(0.95, (T_w_up * p).x(), 1e-3);

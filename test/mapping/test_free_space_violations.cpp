@@ -4,15 +4,12 @@
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::lookingAlong;
-using test::viewFrom;
+using namespace internal;
+using test::lookingAlong, test::viewFrom;
 
 const test::Scene kRoom = test::box({0, 0, 0}, {6, 5, 2.5});
 const test::Scene kChest = test::box({2.4, 3.6, 0}, {3.6, 4.4, 1.0});  // its front is in view

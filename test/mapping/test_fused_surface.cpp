@@ -10,16 +10,12 @@
 #include <vector>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::box;
-using test::lookingAlong;
-using test::Scene;
+using namespace internal;
+using test::box, test::lookingAlong, test::Scene;
 
-const Scene kRoom = box({0, 0, 0}, {6, 5, 2.5});
-const Scene kPillar = box({3.2, 2.2, 0}, {3.8, 2.8, 2.5});
+const Scene kRoom = box({0, 0, 0}, {6, 5, 2.5}), kPillar = box({3.2, 2.2, 0}, {3.8, 2.8, 2.5});
 
 /** The pictures of several cameras, each of its own scene. */
 class Pictures {

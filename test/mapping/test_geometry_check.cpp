@@ -12,8 +12,7 @@
 namespace facetloc {
 namespace {
 
-using testing::HasSubstr;
-using testing::IsEmpty;
+using testing::HasSubstr, testing::IsEmpty;
 
 constexpr int kImages = 16;
 

@@ -10,8 +10,7 @@
 namespace facetloc {
 
 using namespace internal;
-using test::MatrixNear;
-using test::PoseNear;
+using test::MatrixNear, test::PoseNear;
 namespace {
 
 Matrix6d covariance(double rotation, double translation) {
@@ -77,9 +76,7 @@ TEST(GraphCovariance, AFloorFixesRollPitchAndHeight) {
   PoseGraph graph;
   graph.T_w_n = {mounting.T_b_c(), mounting.T_b_c()};
   graph.T_w_n[1].translation().x() += 1;
-  PoseWithCovariance vague;
-  vague.T = graph.T_w_n[0].inverse() * graph.T_w_n[1];
-  vague.P = covariance(0.5, 1);
+  const PoseWithCovariance vague{graph.T_w_n[0].inverse() * graph.T_w_n[1], covariance(0.5, 1)};
   graph.edges.push_back({0, 1, vague});
   const Eigen::Matrix3d C = floorCovariance({});
   graph.floor = LevelFloor{mounting.T_b_c(), C};

@@ -15,11 +15,7 @@ Matrix6d covariance(double rotation_deg, double translation) {
   return P;
 }
 
-Eigen::Isometry3d along(double x) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation().x() = x;
-  return T;
-}
+Eigen::Isometry3d along(double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); }
 
 /** There and back again: nodes 0 .. 9 at x = 0 .. 9 m, nodes 10 .. 19 at the same places on the way back; the
  * way says little about where it has come back to. */

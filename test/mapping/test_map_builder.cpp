@@ -5,18 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace facetloc {
 namespace {
 
 using test::Rng;
 
 Eigen::Isometry3d pose(double x, double turn_deg) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, turn_deg * kDegree});
-  T.translation().x() = x;
-  return T;
+  return Eigen::Translation3d(x, 0, 0) * Eigen::Isometry3d(expSO3({0, 0, turn_deg * kDegree}));
 }
 
 TEST(MapBuilder, TheFirstImageIsAlwaysALocalModel) { EXPECT_TRUE(MapBuilder().accept(pose(7, 30))); }
@@ -64,8 +59,7 @@ TEST(MapBuilder, MeasuresFromTheLatestLocalModelNotFromTheLatestImage) {
 
 TEST(MapBuilder, LimitsAreParameters) {
   MapBuilderParams params;
-  params.distance = 2;
-  params.rotation_deg = 90;
+  params.distance = 2, params.rotation_deg = 90;
   MapBuilder builder(params);
   EXPECT_TRUE(builder.accept(pose(0, 0)));
   EXPECT_FALSE(builder.accept(pose(1.9, 89)));

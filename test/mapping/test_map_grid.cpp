@@ -11,16 +11,14 @@
 namespace facetloc {
 namespace {
 
-using Eigen::Vector3d;
-using testing::HasSubstr;
+using Eigen::Vector3d, testing::HasSubstr;
 
 constexpr double kWidth = 5, kDepth = 4,
                  kHeight = 2.6;  // height of a room with a cupboard and a beam under its ceiling
 constexpr double kEye = 1;
 
 void addBoxAt(Scene& scene, const Vector3d& low, const Vector3d& high, std::uint16_t& next_id) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation() = (low + high) / 2;
+  const Eigen::Isometry3d T(Eigen::Translation3d((low + high) / 2));
   addBox(scene, T, (high - low) / 2, next_id);
 }
 
@@ -49,9 +47,8 @@ Map roundLook(bool mounting_is_known) {
   map.camera = camera;
   if (!mounting_is_known) map.camera.mounting.reset();
   for (int i = 0; i < 24; ++i) {
-    Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
-    T_w_b.translation() << 2 + 0.5 * (i % 2), 2, 0;
-    T_w_b.linear() = Eigen::AngleAxisd(i * 15 * kDegree, Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Isometry3d T_w_b = Eigen::Translation3d(2 + 0.5 * (i % 2), 2, 0) *
+                                    Eigen::AngleAxisd(i * 15 * kDegree, Vector3d::UnitZ());
     const Eigen::Isometry3d T_w_c = T_w_b * camera.mounting->T_b_c();
     map.models.emplace_back(std::to_string(i), i, T_w_c,
                             builder.build(simulated.render(room(), T_w_c, i).depth));

@@ -16,10 +16,7 @@
 namespace facetloc {
 namespace {
 
-using test::lookingAlong;
-using test::PoseNear;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using test::lookingAlong, test::PoseNear, testing::HasSubstr, testing::IsEmpty;
 
 /** On a circle about the middle of the large room, looking across it. */
 Eigen::Isometry3d onCircle(double degrees) {

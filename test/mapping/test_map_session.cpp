@@ -15,9 +15,7 @@ using namespace internal;
 
 namespace {
 
-using test::lookingAlong;
-using test::PoseNear;
-using test::viewFrom;
+using test::lookingAlong, test::PoseNear, test::viewFrom;
 
 const test::Scene kChest = test::box({2.6, 2.2, 0}, {3.4, 2.8, 0.9});
 const Eigen::Vector3d kMiddle(3, 2.5, 0.6);

@@ -42,9 +42,8 @@ TEST(MeshSurface, RendersTheDepthsOfABox) {
   const MeshSurface box(boxOf(2, 3, 1.5f));
   EXPECT_EQ(12u, box.triangles());
   EXPECT_TRUE(box.bounds().isApprox(Eigen::AlignedBox3d(-half, half)));
-  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
-  T_w_c.linear() = expSO3({0.3, -0.8, 0.2});
-  T_w_c.translation() << 0.4, -0.7, 0.2;
+  const Eigen::Isometry3d T_w_c =
+      Eigen::Translation3d(0.4, -0.7, 0.2) * Eigen::Isometry3d(expSO3({0.3, -0.8, 0.2}));
   const DepthImage image = box.render(kCamera, T_w_c);
   ASSERT_TRUE(image.valid());
   for (int v = 0; v < kCamera.height; ++v)

@@ -57,8 +57,7 @@ TEST(ModelMap, FindsWhereItsCameraIs) {
   int right = 0;
   for (int i = 0; i < 12; ++i) {
     const CameraMounting mounting = *robotCamera().mounting;
-    Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
-    T_w_b.rotate(Eigen::AngleAxisd(heading(random), Eigen::Vector3d::UnitZ()));
+    Eigen::Isometry3d T_w_b(Eigen::AngleAxisd(heading(random), Eigen::Vector3d::UnitZ()));
     T_w_b.translation() << x(random), y(random), 0;
     const Eigen::Isometry3d T_w_c = T_w_b * mounting.T_b_c();
     const Localization answer = localization.localize(builder.build(measured(T_w_c, random)));
@@ -115,8 +114,7 @@ TEST(ModelMap, TakesTheViewpointsThatItIsGiven) {
 }
 
 TEST(ModelMap, RefusesViewpointsThatAreNotFinite) {
-  Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
-  nowhere.translation().y() = std::nan("");
+  const Eigen::Isometry3d nowhere(Eigen::Translation3d(0, std::nan(""), 0));
   ModelMap making(rooms(), Camera{});
   EXPECT_THROW(making.setViewpoints({Eigen::Isometry3d::Identity(), nowhere}), std::invalid_argument);
   const DepthImage image = rooms()->render(robotCamera().intrinsics, nowhere);

@@ -10,14 +10,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <memory>
 
 namespace facetloc {
 namespace {
 
-using Eigen::Vector2d;
-using Eigen::Vector3d;
+using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double kHeight = 2.6, kThick = 0.2;
 
@@ -43,8 +41,7 @@ const std::vector<Wall>& walls() {
 }
 
 void addBoxAt(Scene& scene, const Vector3d& low, const Vector3d& high, std::uint16_t& next_id) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation() = (low + high) / 2;
+  const Eigen::Isometry3d T(Eigen::Translation3d((low + high) / 2));
   addBox(scene, T, (high - low) / 2, next_id);
 }
 
@@ -101,9 +98,8 @@ TEST(PlanLocalization, FurnitureThatThePlanLacksDoesNotObject) {
   int right = 0, sure = 0, asked = 0;
   for (const Vector2d& place : {Vector2d(1.5, 2.5), Vector2d(3, 2), Vector2d(4.6, 1.6), Vector2d(2.6, 3.2)})
     for (int heading = 20; heading < 360; heading += 60) {
-      Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
-      T_w_b.translation() << place, 0;
-      T_w_b.linear() = Eigen::AngleAxisd(heading * kDegree, Vector3d::UnitZ()).toRotationMatrix();
+      const Eigen::Isometry3d T_w_b = Eigen::Translation3d(place.x(), place.y(), 0) *
+                                      Eigen::AngleAxisd(heading * kDegree, Vector3d::UnitZ());
       const Eigen::Isometry3d truth = T_w_b * camera.mounting->T_b_c();
       const Localization answer =
           localization.localize(builder.build(simulated.render(scene, truth, ++asked).depth));

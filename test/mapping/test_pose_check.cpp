@@ -17,10 +17,9 @@ using testing::HasSubstr;
 
 /** A camera in the hand, which never moves evenly for long. */
 Eigen::Isometry3d trueCamera(double t) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0.4 * std::sin(1.7 * t), 0.9 * std::sin(0.9 * t + 1), 0.3 * std::sin(2.3 * t)});
-  T.translation() << std::sin(1.3 * t), 0.3 * std::sin(2.1 * t), 1.5 * std::cos(0.8 * t);
-  return T;
+  return Eigen::Translation3d(std::sin(1.3 * t), 0.3 * std::sin(2.1 * t), 1.5 * std::cos(0.8 * t)) *
+         Eigen::Isometry3d(
+             expSO3({0.4 * std::sin(1.7 * t), 0.9 * std::sin(0.9 * t + 1), 0.3 * std::sin(2.3 * t)}));
 }
 
 /** The motions between images, a little wrong; one in ten is of a wrong place. */

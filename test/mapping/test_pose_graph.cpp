@@ -12,8 +12,7 @@
 namespace facetloc {
 
 using namespace internal;
-using test::MatrixNear;
-using test::PoseNear;
+using test::MatrixNear, test::PoseNear;
 namespace {
 
 Vector6d smallNoise(std::mt19937& random, const Matrix6d& P) {
@@ -32,10 +31,7 @@ Matrix6d covariance(double rotation_deg, double translation) {
 }
 
 Eigen::Isometry3d at(double x, double y, double heading_deg) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0.1, -0.05, heading_deg * kDegree});
-  T.translation() << x, y, 0.1 * x;
-  return T;
+  return Eigen::Translation3d(x, y, 0.1 * x) * Eigen::Isometry3d(expSO3({0.1, -0.05, heading_deg * kDegree}));
 }
 
 // Round a square of 4 m in steps of 1 m; each motion is measured with errors of its covariance.

@@ -38,10 +38,8 @@ std::shared_ptr<const MeshSurface> corner(Error error) {
 
 /** Looking into the corner. */
 Eigen::Isometry3d cameraAt(double x, double y) {
-  Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
-  T_w_b.rotate(Eigen::AngleAxisd(40 * kDegree, Eigen::Vector3d::UnitZ()));
-  T_w_b.translation() << x, y, 0;
-  return T_w_b * CameraMounting{1.3, 15}.T_b_c();
+  return Eigen::Translation3d(x, y, 0) * Eigen::AngleAxisd(40 * kDegree, Eigen::Vector3d::UnitZ()) *
+         CameraMounting{1.3, 15}.T_b_c();
 }
 
 /** Number of scans out of 30, each wrong in its own way, with the true pose within the 95 % ellipsoid. */

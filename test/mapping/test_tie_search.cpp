@@ -15,10 +15,7 @@ namespace {
 constexpr CameraMounting kMounting{1.0, 10.0};
 
 Eigen::Isometry3d robotCamera(double x, double y, double heading) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, heading});
-  T.translation() << x, y, 0;
-  return T * kMounting.T_b_c();
+  return Eigen::Translation3d(x, y, 0) * Eigen::Isometry3d(expSO3({0, 0, heading})) * kMounting.T_b_c();
 }
 
 /** Two rounds of a robot in a room, as two parts that nothing ties: view i of the second one is taken near

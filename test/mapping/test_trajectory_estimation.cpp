@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 namespace facetloc {
@@ -18,12 +17,7 @@ using namespace internal;
 
 namespace {
 
-using test::largeRoom;
-using test::lookingAlong;
-using test::MatrixNear;
-using test::mounted;
-using test::PoseNear;
-using test::viewFrom;
+using test::largeRoom, test::lookingAlong, test::MatrixNear, test::mounted, test::PoseNear, test::viewFrom;
 
 /** A room that shows corners and edges wherever one looks. */
 test::Scene furnishedRoom() {

@@ -11,10 +11,7 @@
 namespace facetloc {
 namespace {
 
-using test::largeRoom;
-using test::lookingAlong;
-using test::PoseNear;
-using test::viewFrom;
+using test::largeRoom, test::lookingAlong, test::PoseNear, test::viewFrom;
 
 constexpr double kStep = 1.0 / 15;  // [s]
 

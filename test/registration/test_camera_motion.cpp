@@ -10,16 +10,11 @@
 
 #include <memory>
 #include <utility>
-#include <vector>
 
 namespace facetloc {
 
 using namespace internal;
-using test::endlessCorridor;
-using test::largeRoom;
-using test::lookingAlong;
-using test::PoseNear;
-using test::viewFrom;
+using test::endlessCorridor, test::largeRoom, test::lookingAlong, test::PoseNear, test::viewFrom;
 namespace {
 
 constexpr double kDoorDistance = 1.8;  // [m]

@@ -17,17 +17,11 @@
 #include <set>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::exactOverlapDistance;
-using test::gaussian;
-using test::outlinesMeet;
-using test::randomSegment;
-using test::rectangle;
-using test::Rng;
-using test::uniform;
+using namespace internal;
+using test::exactOverlapDistance, test::gaussian, test::outlinesMeet, test::randomSegment, test::rectangle,
+    test::Rng, test::uniform;
 
 constexpr double kGate = chiSquareQuantile(3, 0.99);
 constexpr double kExactGate = 9.21;  // chi2(2) at 99 %
@@ -49,9 +43,7 @@ std::vector<Segment> seenFrom(const std::vector<Segment>& model, const Eigen::Is
 }
 
 PoseWithCovariance paperPrior() {
-  PoseWithCovariance prior;
-  prior.P = posePrior(CameraMounting{0.98, 10});
-  return prior;
+  return {Eigen::Isometry3d::Identity(), posePrior(CameraMounting{0.98, 10})};
 }
 
 std::set<std::pair<int, int>> setOf(const std::vector<SegmentPair>& pairs) {
@@ -171,8 +163,7 @@ TEST(CandidatePairs, OfNothingAreNone) {
 
 TEST(CandidatePairs, NaNsMatchNothing) {
   Rng rng(8);
-  std::vector<Segment> some = randomSegments(rng, 3);
-  std::vector<Segment> bad = some;
+  std::vector<Segment> some = randomSegments(rng, 3), bad = some;
   for (Segment& s : bad) s.t.setConstant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(candidatePairs(bad, some, paperPrior()).empty());
   PoseWithCovariance prior = paperPrior();

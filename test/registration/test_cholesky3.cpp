@@ -11,19 +11,15 @@
 #include <limits>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::gaussian;
-using test::MatrixNear;
-using test::Rng;
+using namespace internal;
+using test::gaussian, test::MatrixNear, test::Rng;
 
 TEST(Cholesky3, AgreesWithTheInverse) {
   Rng rng(1);
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Matrix3d S = test::randomCovariance<3>(rng, {0.01, 0.5, 3});
-    const Eigen::Matrix3d inverse = S.inverse();
+    const Eigen::Matrix3d S = test::randomCovariance<3>(rng, {0.01, 0.5, 3}), inverse = S.inverse();
     Cholesky3 cholesky;
     ASSERT_TRUE(cholesky.compute(S));
     const Eigen::Vector3d v = gaussian<3>(rng);

@@ -13,13 +13,10 @@
 #include <cmath>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::rectangle;
-using test::Rng;
-using test::smallCamera;
+using namespace internal;
+using test::rectangle, test::Rng, test::smallCamera;
 
 const double kPi = std::acos(-1.0);
 const double kNewDirection =

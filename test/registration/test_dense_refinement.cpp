@@ -15,13 +15,10 @@
 #include <random>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::lookingAlong;
-using test::MatrixNear;
-using test::PoseNear;
+using namespace internal;
+using test::lookingAlong, test::MatrixNear, test::PoseNear;
 
 const double kNoise = SensorNoise{}.inverse_depth_std;
 
@@ -100,8 +97,7 @@ Sums ofAllPixels(const DepthPicture& scene, const std::vector<PosedPicture>& pic
 }
 
 TEST_F(DenseRefinement, AStepIsThatOfAllPixelsOneByOne) {
-  params.iterations = 1;
-  params.significance = 0;
+  params.iterations = 1, params.significance = 0;
   const double error = params.pixel_error * kNoise, of_pixel = 1 / (error * error * params.correlated_pixels);
   std::mt19937 rng(6);
   std::normal_distribution<double> normal;
@@ -204,9 +200,8 @@ TEST_F(DenseRefinement, ABareWallFeignsNoInformation) {
 TEST_F(DenseRefinement, DoesNotDependOnTheWorldFrame) {
   PoseWithCovariance pose{truth, priorCovariance(1 * kDegree, 0.05)};
   pose.T.translation() += Eigen::Vector3d(0.02, 0.01, -0.01);
-  Eigen::Isometry3d T_v_w = Eigen::Isometry3d::Identity();
-  T_v_w.linear() = expSO3({0.3, -1.1, 2.0});
-  T_v_w.translation() = Eigen::Vector3d(5, -7, 1);
+  const Eigen::Isometry3d T_v_w =
+      Eigen::Translation3d(5, -7, 1) * Eigen::Isometry3d(expSO3({0.3, -1.1, 2.0}));
   PoseWithCovariance moved{T_v_w * pose.T, pose.P};
   std::vector<PosedPicture> there = pictures();
   for (PosedPicture& p : there) p.T_w_c = T_v_w * p.T_w_c;

@@ -7,12 +7,10 @@
 #include <gtest/gtest.h>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::lookingAlong;
-using test::Scene;
+using namespace internal;
+using test::lookingAlong, test::Scene;
 
 Scene corridorWithABox() { return test::endlessCorridor() + test::box({0.4, 3, 0}, {0.9, 3.6, 1.2}); }
 

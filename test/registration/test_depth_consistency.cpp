@@ -10,14 +10,10 @@
 #include <cmath>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::endlessPlane;
-using test::lookingAlong;
-using test::render;
-using test::smallCamera;
+using namespace internal;
+using test::endlessPlane, test::lookingAlong, test::render, test::smallCamera;
 
 const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 
@@ -186,8 +182,7 @@ TEST(DepthConsistency, ExactAgreementIsLikelierThanContradictionWhateverTheError
   for (const double absolute : {0.01, 0.3, 3.0, 30.0})
     for (const double relative : {0.0, 0.003, 0.1}) {
       DepthCalibration params;
-      params.absolute_error = absolute;
-      params.relative_error = relative;
+      params.absolute_error = absolute, params.relative_error = relative;
       const DepthAgreement a = DepthComparison(params).compare(wall, wall, kHere, kFineColumns);
       ASSERT_GT(a.agree, 0);
       EXPECT_GT(a.likelihood / a.agree, std::log(0.25)) << absolute << " " << relative;  // an occlusion

@@ -11,10 +11,7 @@
 namespace facetloc {
 
 using namespace internal;
-using test::endlessCorridor;
-using test::largeRoom;
-using test::lookingAlong;
-using test::viewFrom;
+using test::endlessCorridor, test::largeRoom, test::lookingAlong, test::viewFrom;
 namespace {
 
 /** Two views of a scene, and how the second fits the first. */

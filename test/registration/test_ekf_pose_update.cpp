@@ -16,21 +16,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::disturbed;
-using test::gaussian;
-using test::IsPositiveSemidefinite;
-using test::MatrixNear;
-using test::PoseNear;
-using test::randomDirection;
-using test::Rng;
-using test::uniform;
+using namespace internal;
+using test::disturbed, test::gaussian, test::IsPositiveSemidefinite, test::MatrixNear, test::PoseNear,
+    test::randomDirection, test::Rng, test::uniform;
 
 constexpr double kGate = chiSquareQuantile(3, 0.99);
 
@@ -43,9 +36,7 @@ EkfParams ungated(int iterations = EkfParams{}.iterations) {
 
 // The prior of the paper: a robot with a camera that looks forward, slightly down.
 PoseWithCovariance paperPrior() {
-  PoseWithCovariance prior;
-  prior.P = posePrior(CameraMounting{0.98, 10});
-  return prior;
+  return {Eigen::Isometry3d::Identity(), posePrior(CameraMounting{0.98, 10})};
 }
 
 PoseWithCovariance narrowPrior(Rng& rng) {
@@ -76,6 +67,14 @@ Segment seen(const Segment& truth, const Eigen::Isometry3d& T_m_c, const Eigen::
 }
 
 Segment measured(const Segment& truth, Rng& rng) { return disturbed(truth, gaussian<3>(rng, truth.Sigma_q)); }
+
+// A random surface as both views measure it, from a pose drawn from the prior.
+std::pair<Segment, Segment> randomPair(Rng& rng, const PoseWithCovariance& prior) {
+  const Segment surface = test::randomSegment(rng);
+  const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+  const Segment scene = seen(surface, truth, surface.Sigma_q, rng);
+  return {scene, measured(surface, rng)};
+}
 
 double nees(const PoseWithCovariance& estimate, const Eigen::Isometry3d& truth) {
   const Vector6d e = perturbation(estimate.T, truth);
@@ -118,14 +117,17 @@ Consistency experiment(const EkfParams& params, int trials, const Surfaces& surf
   return result;
 }
 
-TEST(EkfPoseUpdate, ErrorsOfTheIteratedFilterAreAsLargeAsItSays) {
-  const Consistency c = experiment(ungated(), 3000, corner);
+void expectConsistent(const Consistency& c) {
   EXPECT_GE(c.mean_nees, 5.5);  // ideal: 6
   EXPECT_LE(c.mean_nees, 7.0);
   for (const double share : c.accepted) {
     EXPECT_GE(share, 0.98);  // nominal: 0.99
     EXPECT_LE(share, 0.995);
   }
+}
+
+TEST(EkfPoseUpdate, ErrorsOfTheIteratedFilterAreAsLargeAsItSays) {
+  expectConsistent(experiment(ungated(), 3000, corner));
 }
 
 TEST(EkfPoseUpdate, TheFilterOfOneIterationIsOverconfident) {
@@ -150,23 +152,15 @@ TEST(EkfPoseUpdate, IsConsistentWithTheUncertaintyOfRealSegments) {
     ASSERT_GE(s.size(), 3u);
     corners.push_back({s[0], s[1], s[2]});
   }
-  const Consistency c =
-      experiment(ungated(), 3000, [&corners](Rng& rng) { return corners[rng() % corners.size()]; });
-  EXPECT_GE(c.mean_nees, 5.5);
-  EXPECT_LE(c.mean_nees, 7.0);
-  for (const double share : c.accepted) {
-    EXPECT_GE(share, 0.98);
-    EXPECT_LE(share, 0.995);
-  }
+  expectConsistent(
+      experiment(ungated(), 3000, [&corners](Rng& rng) { return corners[rng() % corners.size()]; }));
 }
 
 TEST(EkfPoseUpdate, OneIterationIsTheImplicitFilterOfTheTextbook) {
   Rng rng(6);
   for (int i = 0; i < 200; ++i) {
     const PoseWithCovariance prior = narrowPrior(rng);
-    const Segment surface = test::randomSegment(rng);
-    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
-    const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
+    const auto [scene, model] = randomPair(rng, prior);
     const EkfUpdate u = ekfPoseUpdate(scene, model, prior, ungated(1));
     ASSERT_TRUE(u.accepted);
     // Ayache & Faugeras: linearise 0 = h(w, q, q') about the prior mean and zero disturbances.
@@ -274,9 +268,7 @@ TEST(EkfPoseUpdate, TheGateDecidesOnUncheckedStates) {
   two.iterations = 2;
   int accepted = 0, refused = 0;
   for (int i = 0; i < 200; ++i) {
-    const Segment surface = test::randomSegment(rng);
-    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
-    const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
+    const auto [scene, model] = randomPair(rng, prior);
     EkfParams open = two;
     open.gate = std::numeric_limits<double>::max();
     const EkfUpdate u = ekfPoseUpdate(scene, model, prior, open);
@@ -318,9 +310,7 @@ protected:
     Rng rng(7);
     for (int i = 0; i < n; ++i) {
       const PoseWithCovariance prior = narrowPrior(rng);
-      const Segment surface = test::randomSegment(rng);
-      const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
-      const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
+      const auto [scene, model] = randomPair(rng, prior);
       const EkfUpdate u = ekfPoseUpdate(scene, model, prior, ungated());
       ASSERT_TRUE(u.accepted);
       check(scene, model, prior, u);
@@ -347,8 +337,7 @@ TEST_F(RandomUpdates, CovarianceStaysPositiveAndNeverGrows) {
 TEST_F(RandomUpdates, GainIsTheInformationThatThePairAdds) {
   forEach(500, [](auto&, auto&, const PoseWithCovariance& prior, const EkfUpdate& u) {
     Matrix6d reset;
-    const Matrix6d P = beforeReset(prior, u, &reset);
-    const Matrix6d added = reset.transpose() * u.information * reset;
+    const Matrix6d P = beforeReset(prior, u, &reset), added = reset.transpose() * u.information * reset;
     const double by_information = 0.5 * std::log((Matrix6d::Identity() + prior.P * added).determinant());
     EXPECT_GE(u.gain, 0);
     EXPECT_NEAR(u.gain, by_information, 1e-5);
@@ -406,8 +395,7 @@ TEST_F(RandomUpdates, PosesMoveWithTheFrameOfTheCamera) {
   forEach(200, [&rng](const Segment& scene, const Segment& model, const PoseWithCovariance& prior,
                       const EkfUpdate& u) {
     // Turned axes of the camera: exact. (A moved origin changes the meaning of "Gaussian in (phi, t)".)
-    Eigen::Isometry3d Y = Eigen::Isometry3d::Identity();
-    Y.linear() = test::randomRotation(rng);
+    Eigen::Isometry3d Y(test::randomRotation(rng));
     const EkfUpdate moved =
         ekfPoseUpdate(transformed(scene, Y), model, {prior.T * Y.inverse(), prior.P}, ungated());
     ASSERT_TRUE(moved.accepted);
@@ -507,8 +495,7 @@ TEST(EkfPoseUpdate, ThreeExactPairsGiveThePose) {
 TEST(EkfPoseUpdate, MismatchedPairsAreRefused) {
   Rng rng(13);
   const PoseWithCovariance prior = narrowPrior(rng);
-  const Segment surface = test::randomSegment(rng);
-  const Segment scene = transformed(surface, prior.T.inverse());
+  const Segment surface = test::randomSegment(rng), scene = transformed(surface, prior.T.inverse());
   EXPECT_TRUE(ekfPoseUpdate(scene, surface, prior).accepted);
   Segment other = surface;
   other.t += 2 * surface.normal();

@@ -4,7 +4,6 @@
 #include <facetloc/registration/segment_matching.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/registration/correspondence_estimation.h>
 #include <pcl/registration/correspondence_rejection.h>
 
@@ -15,10 +14,7 @@
 namespace facetloc {
 namespace {
 
-using test::EkfCase;
-using test::kNearPose;
-using test::kTargetPose;
-using test::PoseNear;
+using test::EkfCase, test::kNearPose, test::kTargetPose, test::PoseNear;
 
 TEST(EkfRegistration, OutputFramesAreTurnedAsWellAsMoved) {
   EkfRegistration registration;

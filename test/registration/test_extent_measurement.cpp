@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace facetloc::internal {
 namespace {
 
@@ -18,8 +16,7 @@ Segment board(const Eigen::Vector3d& t, double half_length, double half_width) {
 
 TEST(ExtentMeasurement, JacobianIsTheDerivative) {
   const Segment scene = board({0.1, 0.2, 1.5}, 0.3, 0.1), model = board({-0.2, 0.1, 1.3}, 0.2, 0.1);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()));
+  Eigen::Isometry3d T(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()));
   T.pretranslate(Eigen::Vector3d(0.3, -0.1, 0.2));
   const ExtentMeasurement m = measureExtent(scene, model, T);
   constexpr double kStep = 1e-6;

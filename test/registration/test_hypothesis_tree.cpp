@@ -12,19 +12,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::disturbed;
-using test::gaussian;
-using test::rectangle;
-using test::Rng;
-using test::uniform;
+using namespace internal;
+using test::disturbed, test::gaussian, test::rectangle, test::Rng, test::uniform;
 
 using PairSet = std::vector<std::pair<int, int>>;
 
@@ -35,9 +29,7 @@ PairSet setOf(const std::vector<SegmentPair>& pairs) {
 }
 
 PoseWithCovariance widePrior() {
-  PoseWithCovariance prior;
-  prior.P = posePrior(CameraMounting{0.98, 10});
-  return prior;
+  return {Eigen::Isometry3d::Identity(), posePrior(CameraMounting{0.98, 10})};
 }
 
 // A small scene with ambiguities: surfaces in three directions, some parallel and near each other.
@@ -68,10 +60,7 @@ struct Case {
 
 HypothesisTreeParams exhaustive() {
   HypothesisTreeParams p;
-  p.max_expansions = 1000000;
-  p.max_hypotheses = 1000000;
-  p.max_pairs = 4;
-  p.min_gain = 0;
+  p.max_expansions = 1000000, p.max_hypotheses = 1000000, p.max_pairs = 4, p.min_gain = 0;
   p.angle_gate = 1e6;
   p.duplicate_rotation_deg = p.duplicate_translation = 0;
   return p;
@@ -189,8 +178,7 @@ TEST(HypothesisTree, DuplicatesAreSuppressed) {
     const Case c(seed);
     HypothesisTreeParams params = exhaustive();
     const std::size_t all = c.search(params).by_pairs.complete.size();
-    params.duplicate_rotation_deg = 1;
-    params.duplicate_translation = 0.05;
+    params.duplicate_rotation_deg = 1, params.duplicate_translation = 0.05;
     const std::vector<PoseNode> distinct = c.search(params).by_pairs.complete;
     EXPECT_LE(distinct.size(), all);
     for (std::size_t i = 0; i < distinct.size(); ++i)

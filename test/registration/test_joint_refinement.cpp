@@ -13,18 +13,11 @@
 #include <numeric>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::disturbed;
-using test::gaussian;
-using test::IsPositiveSemidefinite;
-using test::MatrixNear;
-using test::PoseNear;
-using test::rectangle;
-using test::Rng;
-using test::uniform;
+using namespace internal;
+using test::disturbed, test::gaussian, test::IsPositiveSemidefinite, test::MatrixNear, test::PoseNear,
+    test::rectangle, test::Rng, test::uniform;
 
 // A room of six surfaces around a local model, and its view from a pose of the prior.
 struct Room {

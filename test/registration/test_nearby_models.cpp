@@ -80,8 +80,7 @@ TEST(NearbyModels, OfAnEmptyMapAreEmpty) {
   EXPECT_TRUE(near.byPlace(0, {nan, 0, 0}, 5).empty());
   EXPECT_TRUE(near.byPlace(1, {0, 0, 0}, 5).empty()) << "no such part";
   EXPECT_EQ(near.byPlace(0, {5000, 0, 0}, 5).size(), 5u);
-  Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
-  nowhere.translation().x() = nan;
+  const Eigen::Isometry3d nowhere(Eigen::Translation3d(nan, 0, 0));
   EXPECT_TRUE(near.bySight(0, nowhere, kTrackingReach, 5).empty());
 }
 

@@ -8,20 +8,15 @@
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <limits>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace facetloc {
 namespace {
 
-using test::lookingAlong;
-using test::PoseNear;
-using test::viewFrom;
-using testing::HasSubstr;
+using test::lookingAlong, test::PoseNear, test::viewFrom, testing::HasSubstr;
 
 const Eigen::Isometry3d kTarget = lookingAlong({3, 2.5, 1.2}, {1, 0.4, -0.2});
 const Eigen::Isometry3d kNear = lookingAlong({2.8, 2.4, 1.25}, {1, 0.3, -0.25});
@@ -30,11 +25,7 @@ View viewOf(const Eigen::Isometry3d& T_w_c, unsigned seed) {
   return viewFrom(test::largeRoom(), T_w_c, seed);
 }
 
-PoseWithCovariance usualPrior() {
-  PoseWithCovariance prior;
-  prior.P = posePrior({});
-  return prior;
-}
+PoseWithCovariance usualPrior() { return {Eigen::Isometry3d::Identity(), posePrior({})}; }
 
 TEST(PairRegistration, FindsTheTruePoseOfOneViewInAnother) {
   const PairRegistration registration(viewOf(kTarget, 1));

@@ -2,7 +2,6 @@
 #include "registration_cases.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/common/io.h>
 
 #include <string>
@@ -10,10 +9,7 @@
 namespace facetloc {
 namespace {
 
-using test::kNearPose;
-using test::kTargetPose;
-using test::PlanarCase;
-using test::PoseNear;
+using test::kNearPose, test::kTargetPose, test::PlanarCase, test::PoseNear;
 
 Camera cameraOf(const Intrinsics& intrinsics) {
   Camera camera;

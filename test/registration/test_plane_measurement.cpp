@@ -12,19 +12,11 @@
 #include <cmath>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::disturbed;
-using test::gaussian;
-using test::IsPositiveSemidefinite;
-using test::MatrixNear;
-using test::numericJacobian;
-using test::randomPose;
-using test::randomSegment;
-using test::Rng;
-using test::uniform;
+using namespace internal;
+using test::disturbed, test::gaussian, test::IsPositiveSemidefinite, test::MatrixNear, test::numericJacobian,
+    test::randomPose, test::randomSegment, test::Rng, test::uniform;
 
 Eigen::Vector3d smallDisturbance(Rng& rng) {
   return {uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3)};
@@ -158,8 +150,7 @@ TEST(PlaneMeasurement, DistanceOfTheOffsetAloneIsNeverLarger) {
     const PoseWithCovariance pose{pair.T_m_c, randomPoseCovariance(rng)};
     PlaneMeasurement m;
     ASSERT_TRUE(measurePlane(pair.scene, pair.model, pose.T, 0, m));
-    const double variance = (m.H * pose.P * m.H.transpose() + m.W)(2, 2);
-    const double want = m.h[2] * m.h[2] / variance;
+    const double variance = (m.H * pose.P * m.H.transpose() + m.W)(2, 2), want = m.h[2] * m.h[2] / variance;
     EXPECT_NEAR(offsetDistance(pair.scene, pair.model, pose), want, 1e-9 * (1 + want));
     EXPECT_NEAR(offsetDistance(pair.scene, pair.model, pose, 0.05), m.h[2] * m.h[2] / (variance + 0.0025),
                 1e-9 * (1 + want));
@@ -197,8 +188,7 @@ TEST(PlaneMeasurement, DistanceDoesNotChangeUnderInPlaneRotations) {
     const Matrix6d P = randomPoseCovariance(rng);
     PlaneMeasurement m, turned_scene, turned_model;
     ASSERT_TRUE(measurePlane(pair.scene, pair.model, pair.T_m_c, 0, m));
-    const double d2 = innovationDistance(m, P);
-    const double angle = uniform(rng, -3, 3);
+    const double d2 = innovationDistance(m, P), angle = uniform(rng, -3, 3);
     ASSERT_TRUE(
         measurePlane(test::movedInPlane(pair.scene, 0, 0, angle), pair.model, pair.T_m_c, 0, turned_scene));
     ASSERT_TRUE(

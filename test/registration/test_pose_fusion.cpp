@@ -61,16 +61,14 @@ TEST(PoseFusion, CommonInformationOfTwoSourcesIsNotCountedTwice) {
     EXPECT_LT((perturbation(a.T, both.T) - W * offset).norm(), 1e-3 * offset.norm());
     EXPECT_LE(both.P.determinant(), 1.0001 * std::min(a.P.determinant(), b.P.determinant()));
   }
-  PoseWithCovariance a;
-  a.P = randomCovariance(rng, 1e-4);
+  PoseWithCovariance a{Eigen::Isometry3d::Identity(), randomCovariance(rng, 1e-4)};
   EXPECT_THAT(covarianceIntersection(a, a).P, test::MatrixNear(a.P, 1e-12))
       << "the same once more tells nothing";
 }
 
 TEST(PoseFusion, APartOfAnUpdateHasAPartOfItsInformation) {
   test::Rng rng(4);
-  const Matrix6d prior = randomCovariance(rng, 1e-2);
-  const Matrix6d measured = randomCovariance(rng, 1e-3);
+  const Matrix6d prior = randomCovariance(rng, 1e-2), measured = randomCovariance(rng, 1e-3);
   const Matrix6d posterior = (prior.inverse() + measured.inverse()).inverse();
   EXPECT_THAT(temper(prior, posterior, 0), test::MatrixNear(prior, 1e-9));
   EXPECT_THAT(temper(prior, posterior, 1), test::MatrixNear(posterior, 1e-9));

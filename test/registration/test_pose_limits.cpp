@@ -4,7 +4,6 @@
 #include <facetloc/registration/registration_params.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace facetloc {
 namespace {
@@ -21,8 +20,7 @@ Matrix6d covariance(double rotation_deg, double translation) {
 Localization answerWith(double probability, const Matrix6d& P) {
   Localization answer;
   answer.hypotheses.resize(1);
-  answer.hypotheses[0].probability = probability;
-  answer.hypotheses[0].T_m_c.P = P;
+  answer.hypotheses[0].probability = probability, answer.hypotheses[0].T_m_c.P = P;
   internal::concludePose({}, answer);
   return answer;
 }

@@ -12,15 +12,11 @@
 namespace facetloc {
 namespace {
 
-using test::gaussian;
-using test::IsPositiveSemidefinite;
-using test::MatrixNear;
-using test::Rng;
+using test::gaussian, test::IsPositiveSemidefinite, test::MatrixNear, test::Rng;
 
 TEST(PosePrior, WithoutAMountingIsIsotropic) {
   PosePriorParams params;
-  params.rotation_std_deg = 60;
-  params.translation_std = 1.5;
+  params.rotation_std_deg = 60, params.translation_std = 1.5;
   const Matrix6d P = posePrior({}, params);
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(std::pow(60 * kDegree, 2)), Eigen::Vector3d::Constant(2.25);
@@ -38,8 +34,7 @@ TEST(PosePrior, OfAnOdometryGrowsWithTheDistance) {
   EXPECT_NEAR(largestRotationStd(free.P), (2 * std::sqrt(0.5) + 0.1) * kDegree, 1e-9);
   // Many steps add up to the variance of one long one.
   double variance = 0;
-  Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
-  step.translation().z() = 0.1;
+  Eigen::Isometry3d step(Eigen::Translation3d(0, 0, 0.1));
   for (int i = 0; i < 100; ++i)
     variance += std::pow(largestTranslationStd(motionByOdometry(step, {}, {0.03, 2, 0, 0.01}).P), 2);
   EXPECT_NEAR(std::sqrt(variance), 0.03 * 10, 1e-9);
@@ -88,8 +83,7 @@ TEST(PosePrior, FloorCovarianceIsThatOfThreeWheels) {
     const Eigen::Vector3d f = robot.floor_std * gaussian<3>(rng);
     Eigen::Matrix3d A;  // z = z0 + gx x + gy y at the left, the right wheel and the caster
     A << 1, 0, robot.wheel_track / 2, 1, 0, -robot.wheel_track / 2, 1, -robot.caster_distance, 0;
-    const Eigen::Vector3d plane = A.inverse() * f;
-    const Eigen::Vector3d q(plane[2], -plane[1], plane[0]);
+    const Eigen::Vector3d plane = A.inverse() * f, q(plane[2], -plane[1], plane[0]);
     sampled += q * q.transpose() / kTrials;
   }
   const Eigen::Matrix3d C = floorCovariance(p);
@@ -101,8 +95,7 @@ TEST(PosePrior, FloorCovarianceIsThatOfThreeWheels) {
 TEST(PosePrior, IsTheFloorsInformationAndTheRangeOfHeadingAndPlace) {
   const CameraMounting mounting{1.2, 20};
   PosePriorParams p;
-  p.rotation_std_deg = 5;
-  p.translation_std = 0.2;
+  p.rotation_std_deg = 5, p.translation_std = 0.2;
   const Matrix6d A = cameraMotion(mounting);
   const Matrix6d rest = posePrior(mounting, p).inverse() - floorInformation(mounting, p);
   Vector6d want = Vector6d::Zero();  // pose of the base: heading, then the place
@@ -143,10 +136,7 @@ private:
     const Eigen::Vector3d f = p_.robot.floor_std * gaussian<3>(rng_);
     const double z0 = (f[0] + f[1]) / 2, gy = (f[0] - f[1]) / p_.robot.wheel_track,
                  gx = (z0 - f[2]) / p_.robot.caster_distance;
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = expSO3({gy, -gx, 0});
-    T.translation().z() = z0;
-    return T;
+    return Eigen::Translation3d(0, 0, z0) * Eigen::Isometry3d(expSO3({gy, -gx, 0}));
   }
 
   Eigen::Isometry3d T_b_c_;
@@ -157,13 +147,10 @@ private:
 // Far away, the effect of tilts of the model's robot on the height is larger than the floor's.
 TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
   PosePriorParams p;
-  p.rotation_std_deg = 1;
-  p.robot.floor_std = 0.002;
+  p.rotation_std_deg = 1, p.robot.floor_std = 0.002;
   const CameraMounting mounting{1.2, 20};
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
-  Eigen::Isometry3d away = Eigen::Isometry3d::Identity();
-  away.linear() = expSO3({0, 0, 0.5});
-  away.translation() << 0.7, -1.1, 0;
+  const Eigen::Isometry3d away = Eigen::Translation3d(0.7, -1.1, 0) * Eigen::Isometry3d(expSO3({0, 0, 0.5}));
   for (const double translation_std : {0.05, 0.4})
     for (const Eigen::Isometry3d& T_m_b : {Eigen::Isometry3d(Eigen::Isometry3d::Identity()), away}) {
       p.translation_std = translation_std;

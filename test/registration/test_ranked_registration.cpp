@@ -3,7 +3,6 @@
 #include "registration_cases.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
@@ -15,10 +14,7 @@
 namespace facetloc {
 namespace {
 
-using test::EkfCase;
-using test::PlanarCase;
-using test::PoseNear;
-using test::RegistrationBase;
+using test::EkfCase, test::PlanarCase, test::PoseNear, test::RegistrationBase;
 
 template <class Case>
 class OurRegistration : public RegistrationBase<Case> {
@@ -29,9 +25,12 @@ protected:
     return dynamic_cast<RankedRegistration<Point>&>(*this->registration);
   }
 
-  void alignGoodClouds() {
+  void setGoodClouds() {
     this->registration->setInputSource(this->source);
     this->registration->setInputTarget(this->target);
+  }
+  void alignGoodClouds() {
+    setGoodClouds();
     this->registration->align(this->output);
     ASSERT_TRUE(this->registration->hasConverged());
     ASSERT_FALSE(ranked().getHypotheses().empty());
@@ -45,15 +44,20 @@ protected:
     EXPECT_TRUE(ranked().getFinalCovariance().isZero());
     EXPECT_NE(ranked().getStatus(), "");
   }
+  void expectFound() {
+    EXPECT_THAT(this->found(*this->registration), PoseNear(this->truth, Case::kMetres, Case::kDegrees));
+  }
+  void expectNoAnswerNow() {
+    this->registration->align(this->output);
+    expectNoAnswer();
+  }
   void expectNoAnswerFor(const typename Points::ConstPtr& bad) {
     alignGoodClouds();
     this->registration->setInputSource(bad);
-    this->registration->align(this->output);
-    expectNoAnswer();
+    expectNoAnswerNow();
     alignGoodClouds();
     this->registration->setInputTarget(bad);
-    this->registration->align(this->output);
-    expectNoAnswer();
+    expectNoAnswerNow();
     alignGoodClouds();  // and all is well again
   }
 };
@@ -63,8 +67,7 @@ TYPED_TEST_SUITE(OurRegistration, OurCases, );  // the comma for -Wpedantic of C
 
 TYPED_TEST(OurRegistration, NeedsNoGuess) {
   this->alignGoodClouds();
-  EXPECT_THAT(this->found(*this->registration),
-              PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
+  this->expectFound();
 }
 
 TYPED_TEST(OurRegistration, IndicesChooseThePointsOfTheSourceAndOfTheOutput) {
@@ -72,14 +75,12 @@ TYPED_TEST(OurRegistration, IndicesChooseThePointsOfTheSourceAndOfTheOutput) {
   for (std::size_t i = 0; i < this->source->size(); ++i)
     if (this->source->size() < 100 || i % 8 != 0) indices->push_back(static_cast<int>(i));
   if (this->source->size() < 100) indices->pop_back();  // the least informative frame
-  this->registration->setInputSource(this->source);
-  this->registration->setInputTarget(this->target);
+  this->setGoodClouds();
   this->registration->setIndices(indices);
   this->registration->align(this->output);
   EXPECT_TRUE(this->registration->hasConverged());
   EXPECT_EQ(this->output.size(), indices->size());
-  EXPECT_THAT(this->found(*this->registration),
-              PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
+  this->expectFound();
 }
 
 TYPED_TEST(OurRegistration, HasTheAnswerInDoublePrecisionWithItsCovariance) {
@@ -135,8 +136,7 @@ TYPED_TEST(OurRegistration, IndicesOutsideTheSourceLeaveNothingOfTheCallBefore) 
   auto smaller = pcl::make_shared<typename TestFixture::Points>(*this->source);
   smaller->resize(smaller->size() / 2);
   this->registration->setInputSource(smaller);
-  this->registration->align(this->output);
-  this->expectNoAnswer();
+  this->expectNoAnswerNow();
 }
 
 TYPED_TEST(OurRegistration, IndicesHoldForEveryCloudThatTheyFit) {
@@ -153,8 +153,7 @@ TYPED_TEST(OurRegistration, IndicesHoldForEveryCloudThatTheyFit) {
   EXPECT_EQ(alignedPoints(), size - 1);
   // A frame without points, or with too few, is no reason to forget them.
   this->registration->setInputSource(pcl::make_shared<typename TestFixture::Points>());
-  this->registration->align(this->output);
-  this->expectNoAnswer();
+  this->expectNoAnswerNow();
   this->registration->setInputSource(this->source);
   EXPECT_EQ(alignedPoints(), size - 1);
   // No indices mean all points, also after wrong ones and for clouds of any size.
@@ -237,8 +236,7 @@ TYPED_TEST(OurRegistration, MaxCorrespondenceDistanceIsThatOfThePlanes) {
   this->registration->setMaxCorrespondenceDistance(0.1);
   this->registration->align(this->output, guess);
   ASSERT_TRUE(this->registration->hasConverged());
-  EXPECT_THAT(this->found(*this->registration),
-              PoseNear(this->truth, TypeParam::kMetres, TypeParam::kDegrees));
+  this->expectFound();
   this->registration->setMaxCorrespondenceDistance(1e-9);
   this->registration->align(this->output, guess);
   this->expectNoAnswer();
@@ -332,21 +330,17 @@ TYPED_TEST(OurRegistration, ForgetsItsAnswerAsSoonAsACloudChanges) {
 }
 
 TYPED_TEST(OurRegistration, CallsBeforeAnyCloudAreNoCrash) {
-  this->registration->align(this->output);
-  this->expectNoAnswer();
+  this->expectNoAnswerNow();
   this->registration->setInputSource(this->source);
-  this->registration->align(this->output);
-  this->expectNoAnswer();
+  this->expectNoAnswerNow();
 }
 
 TYPED_TEST(OurRegistration, APriorThatExcludesTheTruthHasNoAnswer) {
-  this->registration->setInputSource(this->source);
-  this->registration->setInputTarget(this->target);
+  this->setGoodClouds();
   Matrix6d P = 1e-6 * Matrix6d::Identity();
   this->ranked().setPriorCovariance(P);
   EXPECT_EQ(this->ranked().getPriorCovariance(), P);
-  this->registration->align(this->output);
-  this->expectNoAnswer();
+  this->expectNoAnswerNow();
 }
 
 }  // namespace

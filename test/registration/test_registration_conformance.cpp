@@ -9,7 +9,6 @@
 #include "registration_cases.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/registration/icp.h>
 
 #include <cmath>
@@ -17,13 +16,8 @@
 namespace facetloc {
 namespace {
 
-using test::EkfCase;
-using test::imageFrom;
-using test::kFarPose;
-using test::kTargetPose;
-using test::PlanarCase;
-using test::PoseNear;
-using test::RegistrationBase;
+using test::EkfCase, test::imageFrom, test::kFarPose, test::kTargetPose, test::PlanarCase, test::PoseNear,
+    test::RegistrationBase;
 
 struct IcpCase {
   using Point = pcl::PointXYZ;

@@ -5,18 +5,14 @@
 #include <facetloc/testing/random_segments.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <limits>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::Rng;
-using testing::IsEmpty;
-using testing::UnorderedElementsAre;
+using namespace internal;
+using test::Rng, testing::IsEmpty, testing::UnorderedElementsAre;
 
 pcl::PointCloud<SegmentFrame> randomFrames(int n) {
   Rng rng(1);

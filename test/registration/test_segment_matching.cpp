@@ -15,12 +15,10 @@
 #include <tuple>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::gaussian;
-using test::Rng;
+using namespace internal;
+using test::gaussian, test::Rng;
 using Cloud = pcl::PointCloud<SegmentFrame>;
 
 class SegmentMatchingTest : public testing::Test {

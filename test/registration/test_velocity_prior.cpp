@@ -15,10 +15,8 @@ constexpr double kInterval = 0.5;  // [s]
 
 /** One step of a camera that moves along its optical axis and turns about y. */
 Eigen::Isometry3d step(double speed, double turn_deg = 0) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation().z() = speed * kInterval;
-  T.linear() = Eigen::AngleAxisd(turn_deg * kDegree, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  return T;
+  return Eigen::Translation3d(0, 0, speed * kInterval) *
+         Eigen::AngleAxisd(turn_deg * kDegree, Eigen::Vector3d::UnitY());
 }
 
 TEST(VelocityPrior, IsAboutRestForACameraOfUnknownHabits) {

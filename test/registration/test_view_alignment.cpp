@@ -11,14 +11,10 @@
 #include <cmath>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::largeRoom;
-using test::lookingAlong;
-using test::PoseNear;
-using test::viewFrom;
+using namespace internal;
+using test::largeRoom, test::lookingAlong, test::PoseNear, test::viewFrom;
 
 ViewAlignmentParams usual() {
   ViewAlignmentParams params;

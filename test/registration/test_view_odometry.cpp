@@ -12,23 +12,17 @@
 #include <utility>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::largeRoom;
-using test::lookingAlong;
-using test::mounted;
-using test::PoseNear;
-using test::viewFrom;
+using namespace internal;
+using test::largeRoom, test::lookingAlong, test::mounted, test::PoseNear, test::viewFrom;
 
 constexpr double kPi = 180 * kDegree;
 constexpr double kStep = 1.0 / 15;  // [s]
 
 ViewOdometry odometry() {
   ViewAlignmentParams alignment;
-  alignment.dense.correlated_pixels = 200;
-  alignment.dense.significance = 4;
+  alignment.dense.correlated_pixels = 200, alignment.dense.significance = 4;
   return ViewOdometry({}, alignment, DepthComparison({}));
 }
 

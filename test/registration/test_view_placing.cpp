@@ -11,10 +11,7 @@
 namespace facetloc {
 
 using namespace internal;
-using test::largeRoom;
-using test::lookingAlong;
-using test::PoseNear;
-using test::viewFrom;
+using test::largeRoom, test::lookingAlong, test::PoseNear, test::viewFrom;
 namespace {
 
 PoseWithCovariance anywhere(const Eigen::Isometry3d& T = Eigen::Isometry3d::Identity()) {
@@ -74,8 +71,7 @@ TEST(StepPrior, ARobotHardlyMovesSidewaysUnlessItSlides) {
 
 TEST(StepPrior, MeasuresTheSidewaysShiftOfARobot) {
   const CameraMounting mounting{1, 20};
-  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
-  base.translation() << 0.3, 0.07, 0;
+  const Eigen::Isometry3d base(Eigen::Translation3d(0.3, 0.07, 0));
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
   const SidewaysShift s =
       sidewaysShift({T_b_c.inverse() * base * T_b_c, 1e-4 * Matrix6d::Identity()}, mounting);

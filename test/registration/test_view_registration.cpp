@@ -16,24 +16,13 @@
 #include <cmath>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::lookingAlong;
-using test::mounted;
-using test::PoseNear;
-using test::rectangle;
-using test::Rng;
-using test::viewFrom;
-using testing::HasSubstr;
-using testing::Not;
+using namespace internal;
+using test::lookingAlong, test::mounted, test::PoseNear, test::rectangle, test::Rng, test::viewFrom,
+    testing::HasSubstr, testing::Not;
 
-PoseWithCovariance isotropicPrior() {
-  PoseWithCovariance prior;
-  prior.P = posePrior({});
-  return prior;
-}
+PoseWithCovariance isotropicPrior() { return {Eigen::Isometry3d::Identity(), posePrior({})}; }
 
 const Eigen::Isometry3d kModelPose = lookingAlong({1.2, 1, 1.2}, {1, 1, -0.25});
 const Eigen::Isometry3d kScenePose = lookingAlong({1.5, 1.3, 1.25}, {1.2, 1, -0.2});
@@ -176,8 +165,7 @@ TEST_F(TwoViewsOfARoom, HypothesesMoveWithTheAxesOfTheCamera) {
   const std::vector<Hypothesis> here = registration.align(Query(flat_scene, isotropicPrior()), flat_model);
   Rng rng(2);
   for (int i = 0; i < 5; ++i) {
-    Eigen::Isometry3d Y = Eigen::Isometry3d::Identity();
-    Y.linear() = test::randomRotation(rng);
+    const Eigen::Isometry3d Y(test::randomRotation(rng));
     View turned = flat_scene;
     for (Segment& s : turned.segments) s = transformed(s, Y);
     PoseWithCovariance prior = isotropicPrior();
@@ -294,8 +282,7 @@ protected:
     return wallOnly(viewFrom(scene, poseAt(along, 0.05), 2));
   }
   static std::vector<Hypothesis> align(const test::Scene& scene, double along, bool on_floor) {
-    PoseWithCovariance prior;
-    prior.P = posePrior(kOnRobot);
+    PoseWithCovariance prior{Eigen::Isometry3d::Identity(), posePrior(kOnRobot)};
     const Matrix6d known = on_floor ? floorInformation(kOnRobot) : Matrix6d(Matrix6d::Zero());
     const View view = viewOf(scene, along);
     return ViewRegistration().align(Query(view, prior, known), modelOf(scene));
@@ -351,21 +338,21 @@ std::string freeDirections(const std::vector<Segment>& segments, const Matrix6d&
   View view;
   view.segments = segments;
   HypothesisTreeParams params;
-  params.complete_rotation_deg = 3;
-  params.complete_translation = 0.2;
+  params.complete_rotation_deg = 3, params.complete_translation = 0.2;
   return unconstrainedDirections(Query(view, {}, known), params);
 }
 
+const std::vector<Segment> kCorridor{rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8),
+                                     rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9)};
+const std::vector<Segment> kCorner{kCorridor[0], kCorridor[1], rectangle({0, 0, 4}, {0, 0, 1}, 0.8, 0.8)};
+
 // The planes of a noisier camera fix a pose less well, whichever they are.
 TEST(UnconstrainedDirections, AreJudgedByTheNoiseOfTheView) {
-  std::vector<Segment> corner = {rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8),
-                                 rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9),
-                                 rectangle({0, 0, 4}, {0, 0, 1}, 0.8, 0.8)};
+  std::vector<Segment> corner = kCorner;
   for (Segment& s : corner) s.Sigma_q = Eigen::Vector3d(0.08, 0.08, 0.08).cwiseAbs2().asDiagonal();
   const auto reasonAt = [&](double noise) {
     View view;
-    view.segments = corner;
-    view.depth.noise.inverse_depth_std *= noise;
+    view.segments = corner, view.depth.noise.inverse_depth_std *= noise;
     return unconstrainedDirections(Query(view, {}, Matrix6d::Zero()), HypothesisTreeParams());
   };
   EXPECT_NE(reasonAt(1), "");
@@ -389,23 +376,15 @@ TEST_F(TwoViewsOfARoom, MayFixAPoseWhereItDoes) {
   EXPECT_FALSE(registration.mayFixPose(Query(one)));
 }
 
-TEST(UnconstrainedDirections, OfARoomCornerAreEmpty) {
-  EXPECT_EQ(freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9),
-                            rectangle({0, 0, 4}, {0, 0, 1}, 0.8, 0.8)}),
-            "");
-}
+TEST(UnconstrainedDirections, OfARoomCornerAreEmpty) { EXPECT_EQ(freeDirections(kCorner), ""); }
 
 TEST(UnconstrainedDirections, OfACorridorIsTheTranslationAlongIt) {
-  EXPECT_EQ(
-      freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9)}),
-      "translation along (0.00, 0.00, 1.00)");
+  EXPECT_EQ(freeDirections(kCorridor), "translation along (0.00, 0.00, 1.00)");
 }
 
 TEST(UnconstrainedDirections, DoNotDependOnTheLocale) {
   const test::DecimalComma comma;
-  EXPECT_EQ(
-      freeDirections({rectangle({0, 1, 3}, {0, 1, 0}, 1, 0.8), rectangle({1, 0, 3}, {1, 0, 0}, 1, 0.9)}),
-      "translation along (0.00, 0.00, 1.00)");
+  EXPECT_EQ(freeDirections(kCorridor), "translation along (0.00, 0.00, 1.00)");
 }
 
 TEST(UnconstrainedDirections, OfASingleWallAreTwoTranslationsAndTheTurnAboutItsNormal) {
