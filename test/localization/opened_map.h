@@ -5,9 +5,11 @@
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/registration/hypothesis.h>
+#include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -26,6 +28,14 @@ inline std::shared_ptr<Map> openedMap(Map map) {
   writeMap(opened->folder / "map.flmap", map);
   opened->map = openMap(opened->folder / "map.flmap", 0);
   return {opened, &opened->map};
+}
+
+/** \brief On a circle about the middle of the large room, looking outwards and down: the floor is always in
+ * view. */
+inline Eigen::Isometry3d onCircle(double degrees, double radius, double height = 1.2) {
+  const double a = degrees * kDegree;
+  return lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), height},
+                      {std::cos(a), std::sin(a), -0.4});
 }
 
 /** \brief Two answers to the last bit. */

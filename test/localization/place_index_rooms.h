@@ -21,10 +21,7 @@ namespace facetloc::test {
 constexpr CameraMounting kMounting{1.0, 10.0};
 
 inline Eigen::Isometry3d robotCamera(double x, double y, double heading) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, heading});
-  T.translation() << x, y, 0;
-  return T * kMounting.T_b_c();
+  return Eigen::Translation3d(x, y, 0) * Eigen::Isometry3d(expSO3({0, 0, heading})) * kMounting.T_b_c();
 }
 
 /** \brief Segments of a view that look this way. */
@@ -38,8 +35,7 @@ inline View facing(View view, const std::function<bool(const Eigen::Vector3d&)>&
 
 /** \brief The query of global localization to a shortlist, for a view that is mounted so. */
 inline internal::Query onFloor(const View& view, const PosePriorParams& params = {}) {
-  PoseWithCovariance prior;
-  prior.P = posePrior(kMounting, params);
+  PoseWithCovariance prior{Eigen::Isometry3d::Identity(), posePrior(kMounting, params)};
   return internal::Query(view, prior, floorInformation(kMounting, params));
 }
 
@@ -73,11 +69,10 @@ protected:
   static View viewOf(int model) { return mounted(*map->view(model), kMounting); }
   static ShortlistParams few() {
     ShortlistParams params;
-    params.aligned_models = 30;
-    params.gap = 1e6;
+    params.aligned_models = 30, params.gap = 1e6;
     return params;
   }
-  static std::shared_ptr<const Map> map;
+  static inline std::shared_ptr<const Map> map;
 };
 
 }  // namespace facetloc::test

@@ -13,10 +13,7 @@ namespace {
 constexpr CameraMounting kMounting{1.0, 10.0};
 
 Eigen::Isometry3d robot(double x, double y, double heading) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, heading});
-  T.translation() << x, y, 0;
-  return T;
+  return Eigen::Translation3d(x, y, 0) * Eigen::Isometry3d(expSO3({0, 0, heading}));
 }
 
 View seenFrom(const Eigen::Isometry3d& T_w_b, unsigned seed) {

@@ -9,24 +9,18 @@
 #include <gtest/gtest.h>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::gaussian;
-using test::IsPositiveSemidefinite;
-using test::MatrixNear;
-using test::PoseNear;
-using test::Rng;
+using namespace internal;
+using test::gaussian, test::IsPositiveSemidefinite, test::MatrixNear, test::PoseNear, test::Rng;
 
 const CameraMounting kMounting{1.2, 15};
 
 /** A camera whose robot stands at (x, y, z) with that (roll, pitch, heading) [rad]. */
 Eigen::Isometry3d standing(const Eigen::Vector3d& place, const Eigen::Vector3d& angles) {
-  Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
-  T_w_b.linear() = expSO3({0, 0, angles.z()}) * expSO3({angles.x(), angles.y(), 0});
-  T_w_b.translation() = place;
-  return T_w_b * kMounting.T_b_c();
+  return Eigen::Translation3d(place) *
+         Eigen::Isometry3d(expSO3({0, 0, angles.z()}) * expSO3({angles.x(), angles.y(), 0})) *
+         kMounting.T_b_c();
 }
 
 /** Roll, pitch and height of that camera's robot on the floor z = 0, without any approximation but small
@@ -89,9 +83,7 @@ TEST(FloorUpdate, TheFloorsErrorsMatchItsCovariance) {
 }
 
 TEST(FloorUpdate, APoseThatIsNotKnownOtherwiseIsPutOnTheFloor) {
-  PoseWithCovariance camera;
-  camera.T = standing({1, 2, 0.05}, {0.02, -0.03, 0.7});
-  camera.P = 100 * Matrix6d::Identity();
+  PoseWithCovariance camera{standing({1, 2, 0.05}, {0.02, -0.03, 0.7}), 100 * Matrix6d::Identity()};
   const Eigen::Matrix3d covariance = 1e-8 * Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {  // linear in small angles only
     camera = updatedByFloor(camera, kMounting, {}, covariance);
@@ -123,11 +115,9 @@ TEST(FloorUpdate, IsTheInformationFilterOfTheNumericJacobian) {
     Eigen::Matrix3d by_floor;
     for (int i = 0; i < 3; ++i) {
       const auto on = [&](double step) {
-        const Eigen::Vector3d e = step * Eigen::Vector3d::Unit(i);
-        const Eigen::Vector3d normal(-e.x(), -e.y(), 1);
-        Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-        T.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), normal);
-        T.translation().z() = e.z();
+        const Eigen::Vector3d e = step * Eigen::Vector3d::Unit(i), normal(-e.x(), -e.y(), 1);
+        Eigen::Isometry3d T = Eigen::Translation3d(0, 0, e.z()) *
+                              Eigen::Isometry3d(rotationBetween(Eigen::Vector3d::UnitZ(), normal));
         return ofTheRobot(T.inverse() * prior.T);
       };
       by_floor.col(i) = (on(kStep) - on(-kStep)) / (2 * kStep);
@@ -145,9 +135,7 @@ TEST(FloorUpdate, IsTheInformationFilterOfTheNumericJacobian) {
 }
 
 TEST(FloorUpdate, DoesNotDependOnTheAxesOfTheWorld) {
-  PoseWithCovariance camera;
-  camera.T = standing({1, 2, 0.004}, {0.01, -0.02, 0.7});
-  camera.P = 1e-3 * Matrix6d::Identity();
+  const PoseWithCovariance camera{standing({1, 2, 0.004}, {0.01, -0.02, 0.7}), 1e-3 * Matrix6d::Identity()};
   const std::vector<Eigen::Isometry3d> mapped{standing({0, 0, 0}, {0.02, 0.01, 0}),
                                               standing({3, 0.5, 0.03}, {-0.01, 0.03, 1})};
   const PoseWithCovariance there = updatedByFloor(
@@ -155,9 +143,7 @@ TEST(FloorUpdate, DoesNotDependOnTheAxesOfTheWorld) {
   // The last one points down, as for flight and ships.
   for (const Eigen::Vector3d& turned :
        {Eigen::Vector3d(1, -0.5, 2), Eigen::Vector3d(EIGEN_PI, 0, 0), Eigen::Vector3d(3.13, 0.02, 0)}) {
-    Eigen::Isometry3d T_v_w = Eigen::Isometry3d::Identity();
-    T_v_w.linear() = expSO3(turned);
-    T_v_w.translation() << 3, -1, 4;
+    const Eigen::Isometry3d T_v_w = Eigen::Translation3d(3, -1, 4) * Eigen::Isometry3d(expSO3(turned));
     Matrix6d turn = Matrix6d::Zero();
     turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_v_w.linear();
     std::vector<Eigen::Isometry3d> of_v;

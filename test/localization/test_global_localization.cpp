@@ -20,18 +20,11 @@
 #include <vector>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::endlessPlane;
-using test::lookingAlong;
-using test::mounted;
-using test::PoseNear;
-using test::Rng;
-using test::uniform;
-using test::viewFrom;
-using testing::HasSubstr;
+using namespace internal;
+using test::endlessPlane, test::lookingAlong, test::mounted, test::PoseNear, test::Rng, test::uniform,
+    test::viewFrom, testing::HasSubstr;
 
 LocalModel modelAt(const test::Scene& scene, const Eigen::Isometry3d& T_w_m, unsigned seed) {
   return {"", 0, T_w_m, viewFrom(scene, T_w_m, seed)};
@@ -59,9 +52,8 @@ class LocalizationInARoom : public testing::Test {
 protected:
   static void SetUpTestSuite() { map = test::openedMap(*mapOf(test::largeRoom(), loop())); }
   static void TearDownTestSuite() { map.reset(); }
-  static std::shared_ptr<const Map> map;
+  static inline std::shared_ptr<const Map> map;
 };
-std::shared_ptr<const Map> LocalizationInARoom::map;
 
 TEST_F(LocalizationInARoom, EveryMapImageIsFoundAtItsOwnPlace) {
   GlobalLocalizationParams planes_only;  // which are the same in both; other models' noise is not
@@ -414,8 +406,7 @@ TEST_F(Degenerate, AViewThatNoModelKnowsHasAReason) {
   auto map = mapOf(large, {lookingAlong({3, 3, 1.8}, {1, 0.8, -0.5})});
   map->camera.mounting = CameraMounting{0.98, 10};  // a narrow prior in height and tilt
   GlobalLocalizationParams params;
-  params.prior.rotation_std_deg = 5;
-  params.prior.translation_std = 0.1;
+  params.prior.rotation_std_deg = 5, params.prior.translation_std = 0.1;
   const View view = viewFrom(small, lookingAlong({0.6, 0.6, 1}, {1, 0.9, -0.5}), 1);
   const Localization answer = GlobalLocalization(map, params).localize(mounted(view, *map->camera.mounting));
   EXPECT_TRUE(answer.camera.sameMounting());

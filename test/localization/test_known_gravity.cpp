@@ -42,8 +42,7 @@ std::shared_ptr<Map> roomMap() {
 
 TEST(KnownGravity, FixesRollAndPitchOfAPrior) {
   const Eigen::Isometry3d model = poseAt(0, 0), view = rolled(poseAt(10, 0, 0.3), 70);
-  PoseWithCovariance prior;
-  prior.P = posePrior({});
+  PoseWithCovariance prior{Eigen::Isometry3d::Identity(), posePrior({})};
   const PoseWithCovariance out = correctedByGravity(prior, gravityAt(model), gravityAt(view), false);
   const Eigen::Isometry3d truth = model.inverse() * view;
   const Eigen::Vector3d off = logSO3(truth.linear() * out.T.linear().transpose());
@@ -57,9 +56,8 @@ TEST(KnownGravity, FixesRollAndPitchOfAPrior) {
 }
 
 TEST(KnownGravity, CorrectsAPriorThatKeepsItsMean) {
-  PoseWithCovariance prior;
-  prior.P = posePrior({});
-  prior.T = Eigen::AngleAxisd(50 * kDegree, Eigen::Vector3d::UnitY());
+  PoseWithCovariance prior{Eigen::Isometry3d(Eigen::AngleAxisd(50 * kDegree, Eigen::Vector3d::UnitY())),
+                           posePrior({})};
   const Gravity level{Eigen::Vector3d::UnitY(), kDegree};
   const Gravity leaning{expSO3({0, 0, 3 * kDegree}) * Eigen::Vector3d::UnitY(), kDegree};
   const PoseWithCovariance out = correctedByGravity(prior, level, leaning, true);

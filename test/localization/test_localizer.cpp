@@ -10,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -18,25 +17,15 @@
 #include <string>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::lookingAlong;
-using test::viewFrom;
-using testing::HasSubstr;
+using namespace internal;
+using test::lookingAlong, test::onCircle, test::viewFrom, testing::HasSubstr;
 
 constexpr double kFrame = 0.1;  // [s]
 
 LocalModel modelAt(const test::Scene& scene, const Eigen::Isometry3d& T_w_m, unsigned seed) {
   return {"", 0, T_w_m, viewFrom(scene, T_w_m, seed)};
-}
-
-/** On a circle about the middle of the large room, looking outwards and down: the floor is always in view. */
-Eigen::Isometry3d onCircle(double degrees, double radius) {
-  const double a = degrees * kDegree;
-  return lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},
-                      {std::cos(a), std::sin(a), -0.4});
 }
 
 bool isNearTo(const Localization& answer, const Eigen::Isometry3d& truth, double translation,
@@ -62,19 +51,16 @@ protected:
       views.push_back(viewFrom(test::largeRoom(), truth.back(), 1 + i));
     }
   }
-  static void TearDownTestSuite() {
-    map.reset();
-    truth.clear();
-    views.clear();
-  }
+  static void TearDownTestSuite() { map.reset(), truth.clear(), views.clear(); }
 
-  static std::shared_ptr<Map> map;
-  static std::vector<Eigen::Isometry3d> truth;
-  static std::vector<View> views;
+  /** Exact odometry since the view before. */
+  static PoseWithCovariance motionTo(int i) {
+    return {truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
+  }
+  static inline std::shared_ptr<Map> map;
+  static inline std::vector<Eigen::Isometry3d> truth;
+  static inline std::vector<View> views;
 };
-std::shared_ptr<Map> SequenceInARoom::map;
-std::vector<Eigen::Isometry3d> SequenceInARoom::truth;
-std::vector<View> SequenceInARoom::views;
 
 TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
   Localizer sequence(map);
@@ -97,13 +83,14 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
 
 TEST_F(SequenceInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
   Localizer in_file(map), in_memory(test::inMemory(*map));
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 15; ++i) {
     const Localization a = in_file.update(views[i], i * kFrame), b = in_memory.update(views[i], i * kFrame);
-    ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
-    for (std::size_t k = 0; k < a.hypotheses.size(); ++k) {
-      EXPECT_EQ(a.hypotheses[k].probability, b.hypotheses[k].probability);
-      EXPECT_EQ(a.hypotheses[k].T_w_c->matrix(), b.hypotheses[k].T_w_c->matrix());
-    }
+    test::expectSame(a, b);
+    EXPECT_EQ(a.tracking, b.tracking);
+    ASSERT_EQ(a.T_w_c.has_value(), b.T_w_c.has_value()) << i;
+    if (!a.T_w_c) continue;
+    EXPECT_EQ(a.T_w_c->T.matrix(), b.T_w_c->T.matrix());
+    EXPECT_EQ(a.T_w_c->P, b.T_w_c->P);
   }
 }
 
@@ -144,7 +131,7 @@ TEST_F(SequenceInARoom, CarriedAwayWithWheelsThatStandStillItBeginsAnew) {
   int i = 0;
   for (; i < 20; ++i) {
     std::optional<PoseWithCovariance> motion;
-    if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
+    if (i > 0) motion = motionTo(i);
     sequence.update(views[i], i * kFrame, motion);
   }
   const PoseWithCovariance still{Eigen::Isometry3d::Identity(), 1e-6 * Matrix6d::Identity()};
@@ -153,8 +140,7 @@ TEST_F(SequenceInARoom, CarriedAwayWithWheelsThatStandStillItBeginsAnew) {
   EXPECT_FALSE(isSureAndWrong(carried, truth[40]));
   bool sure = false;
   for (int k = 41; k < 50; ++k, ++i) {
-    const PoseWithCovariance motion{truth[k - 1].inverse() * truth[k], 1e-6 * Matrix6d::Identity()};
-    const Localization answer = sequence.update(views[k], i * kFrame, motion);
+    const Localization answer = sequence.update(views[k], i * kFrame, motionTo(k));
     EXPECT_FALSE(isSureAndWrong(answer, truth[k])) << k;
     sure = sure || answer.state == AnswerState::sure;
   }
@@ -226,18 +212,6 @@ TEST_F(SequenceInARoom, SureMeansProbableAndFixed) {
   }
 }
 
-TEST_F(SequenceInARoom, StampsThatGoBackStartAnew) {
-  for (const double stamp : {-5.0, std::numeric_limits<double>::quiet_NaN()}) {
-    Localizer sequence(map);
-    for (int i = 0; i < 20; ++i) sequence.update(views[i], i * kFrame);
-    const Localization answer = sequence.update(views[20], stamp);
-    EXPECT_TRUE(answer.began_anew);
-    EXPECT_EQ(answer.looks, 1);
-    EXPECT_FALSE(isSureAndWrong(answer, truth[20]));
-    EXPECT_FALSE(isSureAndWrong(sequence.update(views[21], stamp + kFrame), truth[21]));
-  }
-}
-
 TEST_F(SequenceInARoom, EmptyViewsAreBridged) {
   Localizer sequence(map);
   Localization answer = sequence.update(View(), 0);
@@ -255,10 +229,8 @@ TEST_F(SequenceInARoom, AnOdometryThatLiesByAFactorOfTwoIsNotBelieved) {
   for (int i = 0; i < kViews; ++i) {
     std::optional<PoseWithCovariance> motion;
     if (i > 0) {
-      const Eigen::Isometry3d step = truth[i - 1].inverse() * truth[i];
-      motion.emplace();
-      motion->T = step * step;
-      motion->P = 1e-6 * Matrix6d::Identity();
+      motion = motionTo(i);
+      motion->T = motion->T * motion->T;
     }
     EXPECT_FALSE(isSureAndWrong(sequence.update(views[i], i * kFrame, motion), truth[i])) << i;
   }
@@ -269,25 +241,12 @@ TEST_F(SequenceInARoom, AnHonestOdometryIsNoHindrance) {
   int sure = 0;
   for (int i = 0; i < kViews; ++i) {
     std::optional<PoseWithCovariance> motion;
-    if (i > 0) motion = PoseWithCovariance{truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()};
+    if (i > 0) motion = motionTo(i);
     const Localization answer = sequence.update(views[i], i * kFrame, motion);
     EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
     sure += answer.state == AnswerState::sure;
   }
   EXPECT_GE(sure, kViews - 20);
-}
-
-TEST_F(SequenceInARoom, AnOdometryCarriesItThroughTheDark) {
-  Localizer sequence(map);
-  for (int i = 0; i < 20; ++i) sequence.update(views[i], i * kFrame);
-  Localization answer;
-  for (int i = 20; i < 40; ++i) {
-    PoseWithCovariance motion;
-    motion.T = truth[i - 1].inverse() * truth[i];
-    motion.P = 1e-6 * Matrix6d::Identity();
-    answer = sequence.update(View(), i * kFrame, motion);
-  }
-  EXPECT_TRUE(isNearTo(answer, truth[39], 0.1, 2));
 }
 
 TEST_F(SequenceInARoom, AMissingPlaceIsNotFound) {
@@ -307,8 +266,12 @@ TEST_F(SequenceInARoom, TheSameViewsGiveTheSameBytesForAnyNumberOfThreads) {
     sequence.setNumberOfThreads(threads);
     std::string out;
     for (int i = 0; i < 20; ++i) {
-      const Localization answer = sequence.update(views[i], i * kFrame);
-      out += answer.reason;
+      const Localization answer = sequence.update(views[i < 12 ? i : i + 30], i * kFrame);
+      out += std::string(stateName(answer.tracking)) + answer.reason;
+      if (answer.T_w_c) {
+        out.append(reinterpret_cast<const char*>(answer.T_w_c->T.data()), 16 * sizeof(double));
+        out.append(reinterpret_cast<const char*>(answer.T_w_c->P.data()), 36 * sizeof(double));
+      }
       for (const Hypothesis& h : answer.hypotheses) {
         out.append(reinterpret_cast<const char*>(h.T_w_c->data()), 16 * sizeof(double));
         out.append(reinterpret_cast<const char*>(&h.probability), sizeof h.probability);
@@ -319,17 +282,6 @@ TEST_F(SequenceInARoom, TheSameViewsGiveTheSameBytesForAnyNumberOfThreads) {
   const std::string once = bytes(1);
   EXPECT_GT(once.size(), 1000u);
   EXPECT_EQ(once, bytes(2));
-}
-
-TEST_F(SequenceInARoom, AMapWithoutPlacesSaysSo) {
-  auto bare = std::make_shared<Map>(*map);
-  for (LocalModel& m : bare->models) m.T_w_m.reset();
-  for (const auto& nothing : {bare, std::make_shared<Map>()}) {
-    Localizer sequence(nothing);
-    const Localization answer = sequence.update(views[0], 0);
-    EXPECT_EQ(answer.state, AnswerState::unknown);
-    EXPECT_NE(answer.reason, "");
-  }
 }
 
 /** Two rooms, 20 m apart, equal but for a cupboard that one of them has behind. */
@@ -358,6 +310,17 @@ protected:
   }
   /** It begins with its back to the cupboard, which is at 165 deg, and turns to it. */
   static double degrees(int i) { return -40 + 4 * i; }
+
+  /** How many of the first twenty views are sure; none may be wrong. */
+  int sureOfTwenty(Localizer& localizer) const {
+    int sure = 0;
+    for (int i = 0; i < 20; ++i) {
+      const Localization answer = localizer.update(views[i], i * kFrame);
+      EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
+      sure += answer.state == AnswerState::sure;
+    }
+    return sure;
+  }
 
   std::shared_ptr<Map> map = std::make_shared<Map>();
   std::vector<Eigen::Isometry3d> truth;
@@ -396,13 +359,7 @@ PoseWithCovariance startNear(const Eigen::Isometry3d& T_w_c) {
 TEST_F(SequenceInTwinRooms, AStartDecidesBetweenThem) {
   Localizer localizer(map);
   localizer.setPose(startNear(truth[0]));
-  int sure = 0;
-  for (int i = 0; i < 20; ++i) {
-    const Localization answer = localizer.update(views[i], i * kFrame);
-    EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i;
-    sure += answer.state == AnswerState::sure;
-  }
-  EXPECT_GE(sure, 15);
+  EXPECT_GE(sureOfTwenty(localizer), 15);
 }
 
 TEST_F(SequenceInTwinRooms, AStartDecidesWithoutAHeading) {
@@ -412,13 +369,7 @@ TEST_F(SequenceInTwinRooms, AStartDecidesWithoutAHeading) {
     start.T.linear() = Eigen::AngleAxisd(wrong_by_deg * kDegree, Eigen::Vector3d::UnitZ()) * start.T.linear();
     start.P(2, 2) = EIGEN_PI * EIGEN_PI;
     localizer.setPose(start);
-    int sure = 0;
-    for (int i = 0; i < 20; ++i) {
-      const Localization answer = localizer.update(views[i], i * kFrame);
-      EXPECT_FALSE(isSureAndWrong(answer, truth[i])) << i << ", " << wrong_by_deg;
-      sure += answer.state == AnswerState::sure;
-    }
-    EXPECT_GE(sure, 15) << wrong_by_deg;
+    EXPECT_GE(sureOfTwenty(localizer), 15) << wrong_by_deg;
   }
 }
 
@@ -555,7 +506,7 @@ TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
   PlaceBelief belief(map, {}, params);
   const GlobalLocalization localization(map);
   for (int i = 0; i < 20; ++i) {
-    if (i > 0) belief.move(Motion::known({truth[i - 1].inverse() * truth[i], 1e-6 * Matrix6d::Identity()}));
+    if (i > 0) belief.move(Motion::known(motionTo(i)));
     const Localization found = localization.localize(views[i]);
     belief.look(view(i), &found);
     ASSERT_FALSE(belief.places().empty());

@@ -13,12 +13,10 @@
 #include <facetloc/testing/pose_matchers.h>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <string>
-#include <utility>
 
 namespace facetloc {
 
@@ -62,11 +60,7 @@ protected:
     for (const Eigen::Isometry3d& T_w_c : simulateDrive(place.mapping_route, kTracked, {}, 7, pace))
       drive_on.push_back({see(place.mapped, T_w_c), T_w_c});
   }
-  static void TearDownTestSuite() {
-    map.reset();
-    queries.clear();
-    drive_on.clear();
-  }
+  static void TearDownTestSuite() { map.reset(), queries.clear(), drive_on.clear(); }
 
   static View see(const Scene& scene, const Eigen::Isometry3d& T_w_c) {
     static const SimulatedCamera camera(kinectIntrinsics().subsampled(2), SimulatedNoise{}, 3);
@@ -108,11 +102,9 @@ protected:
     return count;
   }
 
-  static std::shared_ptr<Map> map;
-  static std::vector<Seen> queries, drive_on;
+  static inline std::shared_ptr<Map> map;
+  static inline std::vector<Seen> queries, drive_on;
 };
-std::shared_ptr<Map> MapInParts::map;
-std::vector<Seen> MapInParts::queries, MapInParts::drive_on;
 
 TEST_F(MapInParts, LinksAloneLocalizeAsWellAsPoses) {
   const Count with_poses = countSure(map);

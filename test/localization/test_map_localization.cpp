@@ -14,21 +14,14 @@
 namespace facetloc {
 namespace {
 
-using testing::HasSubstr;
+using test::onCircle, testing::HasSubstr;
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-
-/** Pose in the large room, looking outwards and down. */
-Eigen::Isometry3d poseAt(double degrees, double radius) {
-  const double a = degrees * kDegree;
-  return test::lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},
-                            {std::cos(a), std::sin(a), -0.4});
-}
 
 std::shared_ptr<const Map> roomMap() {
   auto map = std::make_shared<Map>();
   for (int i = 0; i < 18; ++i) {
-    const Eigen::Isometry3d T_w_m = poseAt(20 * i, 0.35);
+    const Eigen::Isometry3d T_w_m = onCircle(20 * i, 0.35);
     map->models.emplace_back("", 0, T_w_m, test::viewFrom(test::largeRoom(), T_w_m, 1000 + i));
   }
   return map;
@@ -52,16 +45,15 @@ class MapLocalizationInARoom : public testing::Test {
 protected:
   static void SetUpTestSuite() { map = test::openedMap(*roomMap()); }
   static void TearDownTestSuite() { map.reset(); }
-  static std::shared_ptr<const Map> map;
+  void SetUp() override { localization.setMap(map); }
+  static inline std::shared_ptr<const Map> map;
+  MapLocalization<pcl::PointXYZ> localization;
 };
-std::shared_ptr<const Map> MapLocalizationInARoom::map;
 
 TEST_F(MapLocalizationInARoom, FindsTheCameraOfACloud) {
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
   int sure = 0;
   for (int i = 0; i < 6; ++i) {
-    const Eigen::Isometry3d truth = poseAt(10 + 60 * i, 0.6);
+    const Eigen::Isometry3d truth = onCircle(10 + 60 * i, 0.6);
     localization.setInputCloud(cloudFrom(truth, i));
     PoseWithCovariance pose;
     if (!localization.localize(pose)) {
@@ -82,10 +74,8 @@ TEST_F(MapLocalizationInARoom, FindsTheCameraOfACloud) {
 }
 
 TEST_F(MapLocalizationInARoom, AnswersAsTheCoreDoes) {
-  const Eigen::Isometry3d truth = poseAt(100, 0.5);
+  const Eigen::Isometry3d truth = onCircle(100, 0.5);
   const Cloud::Ptr cloud = cloudFrom(truth, 3);
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
   localization.setInputCloud(cloud);
   Eigen::Isometry3d T;
   localization.localize(T);
@@ -98,12 +88,10 @@ TEST_F(MapLocalizationInARoom, AnswersAsTheCoreDoes) {
 }
 
 TEST_F(MapLocalizationInARoom, CloudsAreOneDriveInSequenceMode) {
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
   localization.setSequenceMode(true);
   Localizer core(map);
   for (int i = 0; i < 8; ++i) {
-    const Eigen::Isometry3d truth = poseAt(10 + 3.6 * i, 0.6);
+    const Eigen::Isometry3d truth = onCircle(10 + 3.6 * i, 0.6);
     const Cloud::Ptr cloud = cloudFrom(truth, i);
     cloud->header.stamp = 1000000 + 100000 * static_cast<std::uint64_t>(i);
     localization.setInputCloud(cloud);
@@ -119,7 +107,7 @@ TEST_F(MapLocalizationInARoom, CloudsAreOneDriveInSequenceMode) {
   }
   // A new drive remembers nothing of the last one.
   localization.reset();
-  localization.setInputCloud(cloudFrom(poseAt(200, 0.6), 50));
+  localization.setInputCloud(cloudFrom(onCircle(200, 0.6), 50));
   Eigen::Isometry3d T;
   localization.localize(T);
   const Localization first = Localizer(map).update(localization.getView(), 0);
@@ -127,23 +115,19 @@ TEST_F(MapLocalizationInARoom, CloudsAreOneDriveInSequenceMode) {
 }
 
 PoseWithCovariance guessNear(const Eigen::Isometry3d& T_w_c) {
-  PoseWithCovariance guess;
-  guess.T = Eigen::Translation3d(0.3, -0.2, 0) * T_w_c;
-  guess.P = Matrix6d::Identity();
+  PoseWithCovariance guess{Eigen::Translation3d(0.3, -0.2, 0) * T_w_c, Matrix6d::Identity()};
   guess.P.topLeftCorner<3, 3>() *= 30 * kDegree * 30 * kDegree;
   return guess;
 }
 
 TEST_F(MapLocalizationInARoom, AGuessIsAPriorAndNoResult) {
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
-  const Eigen::Isometry3d truth = poseAt(70, 0.6);
+  const Eigen::Isometry3d truth = onCircle(70, 0.6);
   localization.setInputCloud(cloudFrom(truth, 1));
   PoseWithCovariance pose = guessNear(truth);
   EXPECT_TRUE(localization.localize(pose, pose)) << localization.getStatus();
   EXPECT_TRUE(isNear(pose.T, truth, 0.05, 1)) << "by the cloud, not by the guess";
   EXPECT_EQ(localization.getPart(), "");
-  if (localization.localize(pose, guessNear(poseAt(250, 0.6)))) {
+  if (localization.localize(pose, guessNear(onCircle(250, 0.6)))) {
     EXPECT_TRUE(isNear(pose.T, truth, 0.05, 1));
   }
 
@@ -154,14 +138,12 @@ TEST_F(MapLocalizationInARoom, AGuessIsAPriorAndNoResult) {
 }
 
 TEST_F(MapLocalizationInARoom, MotionsAreOfTheCameraSinceTheCloudBefore) {
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
   localization.setSequenceMode(true);
   Localizer core(map);
   const OdometryError error;
   for (int i = 0; i < 4; ++i) {
-    const Eigen::Isometry3d before = poseAt(10 + 20 * (i - 1), 0.6), truth = poseAt(10 + 20 * i, 0.6);
-    const Eigen::Isometry3d between = poseAt(20 * i, 0.6);
+    const Eigen::Isometry3d before = onCircle(10 + 20 * (i - 1), 0.6), truth = onCircle(10 + 20 * i, 0.6);
+    const Eigen::Isometry3d between = onCircle(20 * i, 0.6);
     const Eigen::Isometry3d first = before.inverse() * between, second = between.inverse() * truth;
     localization.addMotion(first);
     localization.addMotion(second);
@@ -182,8 +164,8 @@ TEST_F(MapLocalizationInARoom, MotionsAreOfTheCameraSinceTheCloudBefore) {
 TEST_F(MapLocalizationInARoom, ItKnowsItsPartInAMapWithoutAWorld) {
   const auto in_part = std::make_shared<Map>(*map);
   in_part->parts = {"attic"};
-  const Eigen::Isometry3d truth = poseAt(130, 0.6);
-  MapLocalization<pcl::PointXYZ> in_world, localization;
+  const Eigen::Isometry3d truth = onCircle(130, 0.6);
+  MapLocalization<pcl::PointXYZ> in_world;
   in_world.setMap(map);
   localization.setMap(in_part);
   PoseWithCovariance pose, there;
@@ -198,12 +180,10 @@ TEST_F(MapLocalizationInARoom, ItKnowsItsPartInAMapWithoutAWorld) {
 }
 
 TEST_F(MapLocalizationInARoom, CloudsWithoutStampsFollowEachOther) {
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
   localization.setSequenceMode(true);
   bool is_sure = false;
   for (int i = 0; i < 8; ++i) {
-    localization.setInputCloud(cloudFrom(poseAt(10 + 1.2 * i, 0.6), i));
+    localization.setInputCloud(cloudFrom(onCircle(10 + 1.2 * i, 0.6), i));
     Eigen::Isometry3d T;
     is_sure = localization.localize(T);
     EXPECT_THAT(localization.getStatus(), testing::Not(HasSubstr("back"))) << "a stamp that goes back";
@@ -212,9 +192,7 @@ TEST_F(MapLocalizationInARoom, CloudsWithoutStampsFollowEachOther) {
 }
 
 TEST_F(MapLocalizationInARoom, IndicesChooseThePoints) {
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
-  const Cloud::Ptr cloud = cloudFrom(poseAt(100, 0.5), 3);
+  const Cloud::Ptr cloud = cloudFrom(onCircle(100, 0.5), 3);
   localization.setInputCloud(cloud);
   Eigen::Isometry3d T;
   localization.localize(T);
@@ -230,15 +208,15 @@ TEST_F(MapLocalizationInARoom, IndicesChooseThePoints) {
 }
 
 TEST_F(MapLocalizationInARoom, AFailureHasAReasonAndLeavesNoStaleAnswer) {
-  MapLocalization<pcl::PointXYZ> localization;
-  Eigen::Isometry3d T = poseAt(1, 1);
+  localization = MapLocalization<pcl::PointXYZ>();
+  Eigen::Isometry3d T = onCircle(1, 1);
   EXPECT_FALSE(localization.localize(T));
   EXPECT_THAT(localization.getStatus(), HasSubstr("no map"));
   EXPECT_TRUE(T.isApprox(Eigen::Isometry3d::Identity()));
   localization.setMap(map);
   EXPECT_FALSE(localization.localize(T));
   EXPECT_THAT(localization.getStatus(), HasSubstr("no input cloud"));
-  localization.setInputCloud(cloudFrom(poseAt(100, 0.5), 3));
+  localization.setInputCloud(cloudFrom(onCircle(100, 0.5), 3));
   localization.localize(T);
   ASSERT_FALSE(localization.getHypotheses().empty());
   auto scattered = pcl::make_shared<Cloud>();
@@ -253,7 +231,7 @@ TEST_F(MapLocalizationInARoom, AFailureHasAReasonAndLeavesNoStaleAnswer) {
     EXPECT_EQ(localization.getState(), AnswerState::unknown);
   }
   localization.setMap(std::make_shared<const Map>());
-  localization.setInputCloud(cloudFrom(poseAt(100, 0.5), 3));
+  localization.setInputCloud(cloudFrom(onCircle(100, 0.5), 3));
   EXPECT_FALSE(localization.localize(T));
   EXPECT_NE(localization.getStatus(), "");
   EXPECT_THROW(localization.setMinProbability(0), std::invalid_argument);
@@ -261,9 +239,7 @@ TEST_F(MapLocalizationInARoom, AFailureHasAReasonAndLeavesNoStaleAnswer) {
 }
 
 TEST_F(MapLocalizationInARoom, SettersCountFromTheNextCloudOn) {
-  MapLocalization<pcl::PointXYZ> localization;
-  localization.setMap(map);
-  localization.setInputCloud(cloudFrom(poseAt(10, 0.6), 0));
+  localization.setInputCloud(cloudFrom(onCircle(10, 0.6), 0));
   PoseWithCovariance pose;
   localization.localize(pose);
   localization.setMinProbability(1);

@@ -9,14 +9,10 @@
 #include <gtest/gtest.h>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::largeRoom;
-using test::lookingAlong;
-using test::viewFrom;
-using testing::ElementsAre;
+using namespace internal;
+using test::largeRoom, test::lookingAlong, test::viewFrom, testing::ElementsAre;
 
 LocalModel modelAt(const Eigen::Isometry3d& T_w_m, unsigned seed) {
   return {"", 0, T_w_m, viewFrom(largeRoom(), T_w_m, seed)};
@@ -90,9 +86,7 @@ TEST_F(SurroundingsOfAPose, StandOnTheFloorOfTheNearestRobots) {
   map->camera.mounting = CameraMounting{1.2, 0};
   map->models.resize(2);
   const auto standing = [](double x, double floor) {
-    Eigen::Isometry3d T_w_b = Eigen::Isometry3d::Identity();
-    T_w_b.translation() << x, 0, floor;
-    return T_w_b * CameraMounting{1.2, 0}.T_b_c();
+    return Eigen::Translation3d(x, 0, floor) * CameraMounting{1.2, 0}.T_b_c();
   };
   map->models[0].T_w_m = standing(0, 0.1);
   map->models[1].T_w_m = standing(5, 0.3);

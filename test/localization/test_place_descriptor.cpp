@@ -18,10 +18,8 @@ constexpr CameraMounting kMounting{1.0, 10.0};
 
 // A robot at (x, y) that looks along a heading, its floor tilted by roll and pitch [rad].
 Eigen::Isometry3d robotCamera(double x, double y, double heading, double roll = 0, double pitch = 0) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, heading}) * expSO3({roll, pitch, 0});
-  T.translation() << x, y, 0;
-  return T * kMounting.T_b_c();
+  return Eigen::Translation3d(x, y, 0) *
+         Eigen::Isometry3d(expSO3({0, 0, heading}) * expSO3({roll, pitch, 0})) * kMounting.T_b_c();
 }
 
 // The wall whose normal has that heading in the world, the farthest of them.

@@ -16,8 +16,6 @@
 
 namespace facetloc::test {
 
-std::shared_ptr<const Map> PlaceIndexOfRooms::map;
-
 void PlaceIndexOfRooms::SetUpTestSuite() {
   auto made = std::make_shared<Map>();
   made->camera.mounting = kMounting;
@@ -34,14 +32,10 @@ void PlaceIndexOfRooms::SetUpTestSuite() {
 }  // namespace facetloc::test
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::facing;
-using test::kMounting;
-using test::PlaceIndexOfRooms;
-using test::robotCamera;
+using namespace internal;
+using test::facing, test::kMounting, test::PlaceIndexOfRooms, test::robotCamera;
 
 TEST_F(PlaceIndexOfRooms, EveryModelLeadsItsOwnList) {
   const PlaceIndex index(*map, few());

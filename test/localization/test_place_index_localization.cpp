@@ -18,14 +18,10 @@
 #include <vector>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::allBatches;
-using test::kMounting;
-using test::onFloor;
-using test::PlaceIndexOfRooms;
+using namespace internal;
+using test::allBatches, test::kMounting, test::onFloor, test::PlaceIndexOfRooms;
 
 std::vector<int> modelsOf(const Batch& batch) {
   std::vector<int> models;
@@ -93,10 +89,8 @@ TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlane
   constexpr int kAligned = 30, kFirst = 2, kListed = 6;
   GlobalLocalizationParams params;
   params.shortlist = few();
-  params.shortlist.exhaustive_up_to = 0;
-  params.shortlist.examined_models = kAligned;
-  params.shortlist.first_models = kFirst;
-  params.shortlist.examined_gap = 1e6;
+  params.shortlist.exhaustive_up_to = 0, params.shortlist.examined_models = kAligned;
+  params.shortlist.first_models = kFirst, params.shortlist.examined_gap = 1e6;
   std::vector<Shortlist> shortlists;  // with one model, with two, ...: each has one more of those below it
   for (params.shortlist.size = 1; params.shortlist.size <= kListed; ++params.shortlist.size)
     shortlists.emplace_back(map, params);
@@ -164,10 +158,8 @@ TEST_F(PlaceIndexOfRooms, AnExaminedModelThatCannotBeReadIsAnErrorForAnyNumberOf
   };
   GlobalLocalizationParams params;
   params.shortlist = few();
-  params.shortlist.exhaustive_up_to = 0;
-  params.shortlist.examined_models = 20;
-  params.shortlist.size = 15;
-  params.shortlist.examined_gap = 1e6;
+  params.shortlist.exhaustive_up_to = 0, params.shortlist.examined_models = 20;
+  params.shortlist.size = 15, params.shortlist.examined_gap = 1e6;
   const View view = query(2, 0.7, 802);
   const std::vector<int> aligned =
       PlaceIndex(*map, params.shortlist).shortlist(view, params.shortlist.aligned_models);
@@ -190,8 +182,7 @@ TEST_F(PlaceIndexOfRooms, AnExaminedModelThatCannotBeReadIsAnErrorForAnyNumberOf
 
 TEST_F(PlaceIndexOfRooms, WithoutJointRefinementAnAlignmentIsNoMeasurementEither) {
   GlobalLocalizationParams params;
-  params.shortlist.exhaustive_up_to = 0;
-  params.steps.joint_refinement = false;
+  params.shortlist.exhaustive_up_to = 0, params.steps.joint_refinement = false;
   params.shortlist.size = 1000;  // list of all models, in whatever order
   params.shortlist.gap = 1e6;
   const View view = query(1, 0.4, 77);
@@ -231,8 +222,7 @@ TEST_F(PlaceIndexOfRooms, ASureAnswerOfTheLikeliestModelsStopsTheSearch) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   params.shortlist.gap = params.shortlist.examined_gap = 1e6;
-  params.shortlist.examined_models = params.shortlist.size;
-  params.shortlist.first_models = 4;
+  params.shortlist.examined_models = params.shortlist.size, params.shortlist.first_models = 4;
   const View view = query(1, 0.4, 77);
   const std::vector<Batch> batches = allBatches(Shortlist(map, params), onFloor(view), true, 1);
   ASSERT_EQ(batches.size(), 2u);
@@ -251,11 +241,8 @@ TEST_F(PlaceIndexOfRooms, ASureAnswerOfTheLikeliestModelsStopsTheSearch) {
 
 TEST_F(PlaceIndexOfRooms, OverlapScoresStopNoSearch) {
   GlobalLocalizationParams params;
-  params.shortlist.exhaustive_up_to = 0;
-  params.shortlist.gap = 1e6;
-  params.shortlist.first_models = 4;
-  params.shortlist.sure_probability = 0;
-  params.score.by_overlap = true;
+  params.shortlist.exhaustive_up_to = 0, params.shortlist.gap = 1e6, params.shortlist.first_models = 4;
+  params.shortlist.sure_probability = 0, params.score.by_overlap = true;
   params.shortlist.examined_models = params.shortlist.size;
   const View view = query(1, 0.4, 77);
   const std::vector<int> asked = askedFor(view, map, params);
@@ -269,8 +256,7 @@ TEST_F(PlaceIndexOfRooms, ASmallMapIsSearchedAsAWhole) {
   small.shortlist.exhaustive_up_to = static_cast<int>(map->models.size());
   EXPECT_EQ(modelsFor(view, Shortlist(map, small)).size(), map->models.size());
   GlobalLocalizationParams off;
-  off.shortlist.exhaustive_up_to = 0;
-  off.shortlist.size = 0;
+  off.shortlist.exhaustive_up_to = 0, off.shortlist.size = 0;
   EXPECT_EQ(modelsFor(view, Shortlist(map, off)).size(), map->models.size());
 }
 
@@ -282,8 +268,8 @@ TEST_F(PlaceIndexOfRooms, AViewThatHasNothingToLookUpIsRegisteredWithAll) {
   // A room on one of its corners: neither walls nor level surfaces.
   View oblique = query(0, 0, 78);
   const Eigen::Matrix3d R_b_c = kMounting.T_b_c().linear();
-  Eigen::Isometry3d onto_corner = Eigen::Isometry3d::Identity();
-  onto_corner.linear() = R_b_c.transpose() * rotationBetween({1, 1, 1}, Eigen::Vector3d::UnitZ()) * R_b_c;
+  const Eigen::Isometry3d onto_corner(R_b_c.transpose() *
+                                      rotationBetween({1, 1, 1}, Eigen::Vector3d::UnitZ()) * R_b_c);
   for (Segment& s : oblique.segments) s = transformed(s, onto_corner);
   ASSERT_TRUE(PlaceIndex(*map).shortlist(oblique, 10).empty());
   EXPECT_EQ(modelsFor(oblique, shortlist).size(), map->models.size());
@@ -324,8 +310,7 @@ TEST_F(PlaceIndexOfRooms, AWiderPriorThanTheUsualOneIsSearchedInAllModels) {
 }
 
 Query inTheHand(const View& view) {
-  PoseWithCovariance prior;
-  prior.P = posePrior({});
+  PoseWithCovariance prior{Eigen::Isometry3d::Identity(), posePrior({})};
   return Query(view, prior);
 }
 

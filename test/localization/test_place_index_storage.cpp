@@ -22,15 +22,10 @@
 #include <vector>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
-using test::allBatches;
-using test::facing;
-using test::kMounting;
-using test::onFloor;
-using test::PlaceIndexOfRooms;
+using namespace internal;
+using test::allBatches, test::facing, test::kMounting, test::onFloor, test::PlaceIndexOfRooms;
 
 // Keeps the views of a map, and perhaps its index, somewhere else.
 class Store : public MapStore {

@@ -10,30 +10,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace facetloc {
-
-using namespace internal;
 namespace {
 
+using namespace internal;
 using test::lookingAlong;
 
 Hypothesis hypothesis(double score, const std::optional<Eigen::Isometry3d>& T_w_c = {}, int model = 0) {
   Hypothesis h;
   h.score = h.consensus = score;
-  h.T_w_c = T_w_c;
-  h.model = model;
+  h.T_w_c = T_w_c, h.model = model;
   return h;
 }
 
 constexpr ProbabilityParams kEven;  // the map lacks a place as likely as it holds it
 
 Eigen::Isometry3d pose(double x, double turn_deg = 0) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, turn_deg * kDegree, 0});
-  T.translation().x() = x;
-  return T;
+  return Eigen::Translation3d(x, 0, 0) * Eigen::Isometry3d(expSO3({0, turn_deg * kDegree, 0}));
 }
 
 void rankPlaces(const MergingParams& params, std::vector<Hypothesis>& h) {
@@ -227,10 +221,22 @@ protected:
     view.depth = DepthPicture::fromDepth(image);
     return view;
   }
+  /** Poses in the first local model, and their covariances. */
+  void knowInModel(std::vector<Hypothesis>& h) const {
+    for (Hypothesis& x : h) {
+      x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
+      x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
+    }
+  }
   PlaceRanking ranking() const { return PlaceRanking(unowned(map), params); }
   bool add(std::vector<Hypothesis>& h) const {
     PixelVerdicts nothing;
     return ranking().addEvidence(scene, h, nothing);
+  }
+  double evidenceFor(const Eigen::Isometry3d& pose) const {
+    std::vector<Hypothesis> h{hypothesis(0, pose)};
+    EXPECT_TRUE(add(h));
+    return h[0].evidence;
   }
   void refinePlaces(std::vector<Hypothesis>& h) const {
     PixelVerdicts nothing;
@@ -239,14 +245,13 @@ protected:
 
   Map map;
   const Eigen::Isometry3d truth = lookingAlong({1.5, 0.8, 1.2}, {0.3, 1, -0.2});
+  const Eigen::Isometry3d elsewhere = Eigen::Translation3d(0.4, 0.3, 0) * truth;
   View scene = viewFrom(truth);
   GlobalLocalizationParams params;
 };
 
 TEST_F(Evidence, IsForTheTruePlaceAndAgainstAnother) {
-  Eigen::Isometry3d wrong = truth;
-  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
-  std::vector<Hypothesis> h{hypothesis(20, wrong), hypothesis(10, truth)};
+  std::vector<Hypothesis> h{hypothesis(20, elsewhere), hypothesis(10, truth)};
   ASSERT_TRUE(add(h));
   EXPECT_LT(h[0].evidence, 0);  // sorted by the old scores
   EXPECT_GT(h[1].evidence, h[0].evidence + 30);
@@ -262,8 +267,7 @@ TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
     return ranking().oddsOfKnown(true, weight, share, here).null_score;
   };
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 20) << "this place has no scores";
-  map.models[0].alias_score = 4;
-  map.models[2].alias_score = 8;
+  map.models[0].alias_score = 4, map.models[2].alias_score = 8;
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 14);
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0), 0.2 * -10 + 0.8 * 20);
   EXPECT_DOUBLE_EQ(nullScoreWith(1, 1), 8);
@@ -285,11 +289,6 @@ TEST_F(Evidence, ReplacesTheEvidenceOfTheirOwnModel) {
 
 TEST_F(Evidence, OfAMovedObjectIsBounded) {
   // A board at half the distance of all that is seen through a quarter of the image: it was not there before.
-  const auto evidenceFor = [&](const Eigen::Isometry3d& pose) {
-    std::vector<Hypothesis> h{hypothesis(0, pose)};
-    EXPECT_TRUE(add(h));
-    return h[0].evidence;
-  };
   const double before = evidenceFor(truth);
   DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(), truth).image;
   for (int v = 0; v < image.camera.height / 2; ++v)
@@ -303,26 +302,21 @@ TEST_F(Evidence, OfAMovedObjectIsBounded) {
                              std::log1p(kQuarter / params.calibration.score.free_space_share) +
                          params.calibration.evidence.disagreement_weight * kQuarter;
   EXPECT_GT(after, before - largest);
-  Eigen::Isometry3d wrong = truth;
-  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
-  EXPECT_LT(evidenceFor(wrong), after) << "elsewhere more than that contradicts";
+  EXPECT_LT(evidenceFor(elsewhere), after) << "elsewhere more than that contradicts";
 }
 
 TEST_F(Evidence, WeighsTheEvidenceOfAllNearModels) {
   std::vector<Hypothesis> h{hypothesis(0, truth)}, doubled = h;
   ASSERT_TRUE(add(h));
   params.calibration.evidence.contradiction_weight *= 2;
-  params.calibration.evidence.occlusion_weight *= 2;
-  params.calibration.evidence.disagreement_weight *= 2;
+  params.calibration.evidence.occlusion_weight *= 2, params.calibration.evidence.disagreement_weight *= 2;
   ASSERT_TRUE(add(doubled));
   EXPECT_NEAR(doubled[0].evidence, 2 * h[0].evidence, 1e-9);
 }
 
 TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
   params.refinement.enabled = false;
-  Eigen::Isometry3d wrong = truth;
-  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
-  std::vector<Hypothesis> h{hypothesis(20, truth), hypothesis(20, wrong)};
+  std::vector<Hypothesis> h{hypothesis(20, truth), hypothesis(20, elsewhere)};
   ranking().rank(scene, h);
   ASSERT_EQ(h.size(), 2u);
   const double null = nullScore(params.calibration.probability, params.probability, {}, h);
@@ -332,13 +326,10 @@ TEST_F(Evidence, TheBestPlaceIsBelievedByItsLeadOverTheNextOnes) {
 }
 
 TEST_F(Evidence, AListThatGrowsIsRankedAsOneThatComesAtOnce) {
-  Eigen::Isometry3d near = truth, wrong = truth;
-  near.translation().x() += 0.02, wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
-  std::vector<Hypothesis> all{hypothesis(30, truth), hypothesis(20, wrong), hypothesis(28, near)};
-  for (Hypothesis& x : all) {
-    x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
-    x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
-  }
+  Eigen::Isometry3d near = truth;
+  near.translation().x() += 0.02;
+  std::vector<Hypothesis> all{hypothesis(30, truth), hypothesis(20, elsewhere), hypothesis(28, near)};
+  knowInModel(all);
   ComparedAndRefined known;
   for (const std::size_t n : {1, 2, 3, 3}) {
     std::vector<Hypothesis> grown(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n)), at_once = grown;
@@ -368,11 +359,9 @@ TEST_F(Evidence, HypothesesBeyondTheBestGetTheLeastOfThose) {
 }
 
 TEST_F(Evidence, HopelessHypothesesGetTheLeastOfTheOthers) {
-  Eigen::Isometry3d wrong = truth;
-  wrong.translation() += Eigen::Vector3d(0.4, 0.3, 0);
   const double hopeless =
       -std::log(params.calibration.evidence.hopeless_odds) / params.calibration.plain_probability.slope;
-  const std::vector<Hypothesis> given{hypothesis(50, wrong), hypothesis(50 - hopeless + 0.1, truth),
+  const std::vector<Hypothesis> given{hypothesis(50, elsewhere), hypothesis(50 - hopeless + 0.1, truth),
                                       hypothesis(50 - hopeless - 0.1, truth)};
   std::vector<Hypothesis> h = given;
   ASSERT_TRUE(add(h));
@@ -412,18 +401,13 @@ TEST_F(Evidence, APoseThatNothingTestsGainsNothingByThat) {
 }
 
 TEST_F(Evidence, APasserByInOneModelIsForgiven) {
-  const auto evidenceOfTruth = [&] {
-    std::vector<Hypothesis> h{hypothesis(0, truth)};
-    EXPECT_TRUE(add(h));
-    return h[0].evidence;
-  };
-  const double before = evidenceOfTruth();
+  const double before = evidenceFor(truth);
   // Somebody stood half as far away in a third of the view when the model was made.
   DepthImage image = test::render(test::furnishedRoom(), test::smallCamera(), *map.models[1].T_w_m).image;
   for (int v = 0; v < image.camera.height; ++v)
     for (int u = 100; u < 200; ++u) image.depth[v * image.camera.width + u] *= 0.5f;
   test::changeView(map, 1, [&](View& view) { view.depth = DepthPicture::fromDepth(image); });
-  const double after = evidenceOfTruth();
+  const double after = evidenceFor(truth);
   EXPECT_LT(after, before);
   const double alone = params.calibration.evidence.contradiction_weight *
                        std::log1p(0.3 / params.calibration.score.free_space_share);
@@ -436,10 +420,7 @@ TEST_F(Evidence, RefinedPlacesAreNearerToTheTruth) {
   Eigen::Isometry3d wrong = truth;
   wrong.translation() += Eigen::Vector3d(0.8, 0.5, 0);
   std::vector<Hypothesis> h{hypothesis(20, near), hypothesis(15, wrong)};
-  for (Hypothesis& x : h) {
-    x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
-    x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
-  }
+  knowInModel(h);
   ASSERT_TRUE(add(h));
   refinePlaces(h);
   ASSERT_EQ(h.size(), 2u);
@@ -456,10 +437,7 @@ TEST_F(Evidence, HopelessPlacesAreNotRefined) {
   const auto refined = [&](double below) {
     std::vector<Hypothesis> h{hypothesis(50, lookingAlong({3, 3, 1.2}, {-1, 0, 0})),
                               hypothesis(50 - below, near)};
-    for (Hypothesis& x : h) {
-      x.T_m_c.T = map.models[0].T_w_m->inverse() * *x.T_w_c;
-      x.T_m_c.P.diagonal() << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(1e-3);
-    }
+    knowInModel(h);
     refinePlaces(h);
     return std::none_of(h.begin(), h.end(),
                         [&](const Hypothesis& x) { return x.T_w_c->isApprox(near, 1e-12); });

@@ -17,11 +17,7 @@ using namespace internal;
 using namespace test;
 namespace {
 
-PoseWithCovariance anywhere() {
-  PoseWithCovariance prior;
-  prior.P = posePrior({});
-  return prior;
-}
+PoseWithCovariance anywhere() { return {Eigen::Isometry3d::Identity(), posePrior({})}; }
 
 Overlay overlayOf(const View& scene, const View& model) {
   return PlaneTripletMatcher(scene, anywhere()).on(PlaneColumns(model));
@@ -143,8 +139,7 @@ View viewOf(std::vector<Segment> segments) {
 
 TEST(PlaneTripletMatcher, TwoPlanesAreLaidWithTheLeastMoveAlongTheirLine) {
   const View model = viewOf({plane({1, 0, 1}, {0.5, 0, 2}), plane({-1, 0, 1}, {-0.5, 0, 2})});
-  Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
-  T_m_c.translation() << 0.3, 0, -0.2;
+  Eigen::Isometry3d T_m_c(Eigen::Translation3d(0.3, 0, -0.2));
   View scene = model;
   for (Segment& s : scene.segments) s = transformed(s, T_m_c.inverse());
   const Overlay overlay = overlayOf(scene, model);

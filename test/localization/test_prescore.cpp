@@ -18,9 +18,7 @@ namespace {
 constexpr CameraMounting kMounting{1.0, 10.0};
 
 PlaceDescriptor seenFrom(double x, double y, double heading, unsigned seed) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, heading});
-  T.translation() << x, y, 0;
+  const Eigen::Isometry3d T = Eigen::Translation3d(x, y, 0) * Eigen::Isometry3d(expSO3({0, 0, heading}));
   return placeDescriptor(viewFrom(test::largeRoom(), T * kMounting.T_b_c(), seed), kMounting);
 }
 
@@ -131,8 +129,7 @@ TEST(Prescore, ManyWallsThatFaceOneWayAreAllCompared) {
     Wall w;
     w.offset = 1 + 0.3f * static_cast<float>(i);
     w.bottom = 0.1f * static_cast<float>(i);
-    w.top = w.bottom + 0.04f;
-    w.weight = 0.5f;
+    w.top = w.bottom + 0.04f, w.weight = 0.5f;
     stairs.walls.push_back(w);
   }
   stairs.facing = {0, 20, 20, 20, 20};
