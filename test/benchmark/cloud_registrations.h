@@ -20,8 +20,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 /** \brief The answer of a registration of two clouds. */
 struct CloudAnswer {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  ///< T_target_source
-  bool has_pose = false;
-  bool converged = false;
+  bool has_pose = false, converged = false;
   double merit = 0;  ///< its quality, more is better: the probability, or the negative fitness
 };
 
@@ -34,11 +33,7 @@ struct CloudRegistration {
 /** \brief Settings of PCL's ways, in the proportions of PCL's tutorials to the edge of the voxels. */
 struct PeerParams {
   static constexpr const char* kTitle = "PCL's own registrations, as a yardstick";
-  double voxel = 0.05;
-  double max_depth = 5;
-  double gicp_distance = 0.5;
-  double ndt_resolution = 1;
-  double ndt_voxel = 0.2;
+  double voxel = 0.05, max_depth = 5, gicp_distance = 0.5, ndt_resolution = 1, ndt_voxel = 0.2;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {

@@ -13,10 +13,8 @@ constexpr std::uint64_t kSeed = 7;
 constexpr int kBoxes = 90;  // boxes in a cluttered room
 
 inline Eigen::Isometry3d cameraPose(double x, double y, double heading) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, heading});
-  T.translation() << x, y, 0;
-  return T * CameraMounting{1.0, 10.0}.T_b_c();
+  return Eigen::Translation3d(x, y, 0) * Eigen::Isometry3d(expSO3({0, 0, heading})) *
+         CameraMounting{1.0, 10.0}.T_b_c();
 }
 
 // A room full of boxes, on the floor and on shelves, with free space in the middle: about twenty segments per
@@ -28,8 +26,7 @@ inline Scene clutteredRoom(std::uint64_t seed) {
   };
   Scene scene;
   std::uint16_t id = 1;
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation().z() = 1.5;
+  Eigen::Isometry3d T(Eigen::Translation3d(0, 0, 1.5));
   addBox(scene, T, {5, 5, 1.5}, id);
   for (int i = 0; i < kBoxes; ++i) {
     const double bearing = uniform(0, 360 * kDegree), distance = uniform(2.0, 4.5);

@@ -13,9 +13,7 @@ namespace facetloc::benchmarks {
 /** \brief Parameters of GicpOdometry. */
 struct GicpOdometryParams {
   static constexpr const char* kTitle = "Odometry by generalized ICP, as a yardstick";
-  double voxel = 0.05;
-  double max_depth = 5;
-  double max_distance = 0.25;
+  double voxel = 0.05, max_depth = 5, max_distance = 0.25;
   int iterations = 50;
   double max_rms = 0.1;
 
@@ -47,8 +45,7 @@ private:
 
   GicpOdometryParams params_;
   Cloud::Ptr last_;
-  Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity(), pose_ = Eigen::Isometry3d::Identity();
   int breaks_ = 0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapped_place.h"
 
+#include "calibration/map_ambiguity.h"
 #include "mapping_camera.h"
 
 #include <algorithm>
@@ -16,6 +17,11 @@ void SeenRun::see(const Camera& camera, const ViewParams& params) {
 #pragma omp for schedule(dynamic)
     for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
   }
+}
+
+void findAmbiguity(Map& map, const GlobalLocalizationParams& params) {
+  internal::setAmbiguity(internal::aliasScores(GlobalLocalization(std::make_shared<const Map>(map), params)),
+                         map);
 }
 
 MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query,

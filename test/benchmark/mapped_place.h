@@ -4,6 +4,7 @@
 #include "evaluation/evaluation.h"
 
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/localization/global_localization.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 
@@ -24,6 +25,19 @@ struct SeenRun {
 
   void see(const Camera& camera, const ViewParams& params);
 };
+
+/** \brief The map without the local models of which gone(number) is true. */
+template <class Gone>
+Map without(const Map& whole, const Gone& gone) {
+  Map map;
+  map.camera = whole.camera, map.meta = whole.meta, map.ambiguity = whole.ambiguity;
+  for (std::size_t i = 0; i < whole.models.size(); ++i)
+    if (!gone(static_cast<int>(i))) map.models.push_back(whole.models[i]);
+  return map;
+}
+
+/** \brief Lets a map know how ambiguous its places are. */
+void findAmbiguity(Map& map, const GlobalLocalizationParams& params);
 
 /** \brief The images of a run that have a true pose, in the order of time. */
 struct PosedRun {

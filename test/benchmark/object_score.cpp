@@ -15,13 +15,9 @@ constexpr int kFirstObject = 20;  // label; smaller ones are the table
 }  // namespace
 
 ObjectScore& ObjectScore::operator+=(const ObjectScore& other) {
-  images += other.images;
-  segments += other.segments;
-  across += other.across;
-  segment_pixels += other.segment_pixels;
-  main_pixels += other.main_pixels;
-  object_pixels += other.object_pixels;
-  covered_pixels += other.covered_pixels;
+  images += other.images, segments += other.segments, across += other.across;
+  segment_pixels += other.segment_pixels, main_pixels += other.main_pixels;
+  object_pixels += other.object_pixels, covered_pixels += other.covered_pixels;
   return *this;
 }
 
@@ -50,8 +46,7 @@ ObjectScore objectScore(const LabelImage& found, const Raster<std::uint16_t>& tr
     if (all < ObjectScore::kMinPixels) continue;
     ++score.segments;
     score.across += static_cast<double>(main) < ObjectScore::kOneObject * static_cast<double>(all);
-    score.segment_pixels += all;
-    score.main_pixels += main;
+    score.segment_pixels += all, score.main_pixels += main;
   }
   return score;
 }

@@ -5,7 +5,6 @@
 
 #include <facetloc/features/pose.h>
 
-#include <algorithm>
 #include <map>
 #include <random>
 

@@ -29,8 +29,7 @@ std::vector<PosedFrame> posedFrames(const std::vector<DepthSequence>& sequences)
 struct PairChoice {
   static constexpr const char* kTitle = "Pairs of images, by their true poses";
   int count = 40;
-  double min_distance = 0.6, max_distance = 1.7;
-  double min_rotation_deg = 20, max_rotation_deg = 60;
+  double min_distance = 0.6, max_distance = 1.7, min_rotation_deg = 20, max_rotation_deg = 60;
   double min_overlap = 0.3;
   int unrelated = 60;
   double unrelated_distance = 4;

@@ -7,11 +7,9 @@ namespace facetloc::benchmarks {
 
 /** \brief The pose that a registration of PCL answers, whose rotation is rounded. */
 inline Eigen::Isometry3d rigid(const Eigen::Matrix4f& matrix) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() =
-      Eigen::Quaterniond(matrix.topLeftCorner<3, 3>().cast<double>()).normalized().toRotationMatrix();
-  T.translation() = matrix.topRightCorner<3, 1>().cast<double>();
-  return T;
+  return Eigen::Translation3d(matrix.topRightCorner<3, 1>().cast<double>()) *
+         Eigen::Isometry3d(
+             Eigen::Quaterniond(matrix.topLeftCorner<3, 3>().cast<double>()).normalized().toRotationMatrix());
 }
 
 }  // namespace facetloc::benchmarks

@@ -8,6 +8,7 @@
 // found if a segment covers 80 % of it and lies in it to 80 %. The truth knows no border finer than the
 // camera's silhouettes, which waver by half a pixel.
 #include "cluttered_room.h"
+#include "programs.h"
 #include "set_parameter.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
@@ -16,7 +17,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <string>
 #include <vector>
 
@@ -80,9 +80,7 @@ test::OverlapScore scoreOf(int room, int view, int width, const SegmentationPara
                             static_cast<int>(scaledPixels(kMinRegion, image.camera)));
 }
 
-}  // namespace
-
-int main(int argc, char** argv) try {
+int run(int argc, char** argv) {
   int width = 320;
   SegmentationParams params;
   for (int i = 1; i < argc; ++i) {
@@ -102,7 +100,11 @@ int main(int argc, char** argv) try {
   std::printf("found %d of %d planes: %.1f %%; %d segments, of which %.2f are one\n", sum.correct,
               sum.regions, 100 * sum.rate(), sum.segments, sum.precision());
   return 0;
-} catch (const std::exception& e) {
-  std::fprintf(stderr, "score_clutter: %s\n", e.what());
-  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runProgram(
+      "score_clutter", [&] { return run(argc, argv); }, 2);
 }

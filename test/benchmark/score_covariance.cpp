@@ -14,13 +14,13 @@
 // weakest, middle and strongest principal axis of the stated position, as 50, 90 and 97 % bounds
 // (0.67, 1.64, 2.17).
 #include "base/text.h"
-#include "calibration/map_ambiguity.h"
 #include "cli/app.h"
 #include "cli/text.h"
 #include "covariance_statistics.h"
 #include "image_overlap.h"
 #include "mapped_place.h"
 #include "motion/camera_motion.h"
+#include "programs.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
@@ -30,7 +30,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <random>
@@ -42,9 +41,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace facetloc;
-using benchmarks::CovarianceStatistics;
-using benchmarks::MappedPlace;
-using benchmarks::PosedRun;
+using benchmarks::CovarianceStatistics, benchmarks::MappedPlace, benchmarks::percent, benchmarks::PosedRun;
 
 constexpr std::array<std::pair<double, double>, 4> kDistances = {
     {{0, 0.3}, {0.3, 0.6}, {0.6, 1}, {1, 1.7}}};           // between two views [m]
@@ -66,10 +63,6 @@ struct Tally {
   std::size_t images = 0, sure = 0, sure_right = 0, right = 0;
   CovarianceStatistics statistics{};
 };
-
-double percent(std::size_t n, std::size_t of) {
-  return of == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(of);
-}
 
 /** Heading and cells of a table of tallies. */
 using Column = std::pair<std::string, std::string>;
@@ -100,15 +93,11 @@ std::vector<Column> columnsOf(const Tally& t) {
   return columns;
 }
 
-std::vector<std::string> headings(const std::vector<Column>& columns) {
-  std::vector<std::string> all;
-  for (const auto& [heading, cell] : columns) all.push_back(heading);
-  return all;
-}
+constexpr auto kHeading = &Column::first, kCell = &Column::second;
 
-std::vector<std::string> cells(const std::vector<Column>& columns) {
+std::vector<std::string> partOf(const std::vector<Column>& columns, std::string Column::*part) {
   std::vector<std::string> all;
-  for (const auto& [heading, cell] : columns) all.push_back(cell);
+  for (const Column& column : columns) all.push_back(column.*part);
   return all;
 }
 
@@ -122,7 +111,7 @@ void writeCsv(const fs::path& path, const std::vector<Tally>& tallies) {
     out << "\n";
     for (const Tally& tally : tallies) {
       std::string line;
-      for (const std::string& cell : cells(columnsOf(tally)))
+      for (const std::string& cell : partOf(columnsOf(tally), kCell))
         line += (line.empty() ? "" : ",") + text::csvCell(cell);
       out << line << "\n";
     }
@@ -160,8 +149,7 @@ public:
   ScoreCovarianceApp()
       : App("score_covariance", "PLACE... [options]",
             "Compares the covariances of poses with their errors.") {
-    evaluation_.max_translation = 0.3;
-    evaluation_.max_rotation_deg = 5;
+    evaluation_.max_translation = 0.3, evaluation_.max_rotation_deg = 5;
   }
 
 private:
@@ -240,8 +228,7 @@ private:
   /** The pose of a view in the frame of another one. */
   Answer registered(const View& view, const View& other) const {
     RegistrationParams params = localization_;
-    params.prior.rotation_std_deg = kPairRotation;
-    params.prior.translation_std = kPairDistance;
+    params.prior.rotation_std_deg = kPairRotation, params.prior.translation_std = kPairDistance;
     const Localization found = PairRegistration(other, params).align(view);
     if (found.hypotheses.empty()) return {};
     return {found.hypotheses.front().T_m_c, found.state == AnswerState::sure};
@@ -282,9 +269,7 @@ private:
   Map mapOfPlace(MappedPlace& place) const {
     Map map = map_.empty() ? place.see(view_) : readMap(map_);
     if (map_.empty())
-      internal::setAmbiguity(internal::aliasScores(internal::GlobalLocalization(
-                                 std::make_shared<const Map>(map), localization_)),
-                             map);
+      benchmarks::findAmbiguity(map, localization_);
     else
       place.seeQuery(map, view_);
     return map;
@@ -335,8 +320,8 @@ private:
     std::vector<Tally> all;
     for (const std::string& folder : places_)
       for (Tally& tally : tallies(folder)) all.push_back(std::move(tally));
-    TextTable table(headings(columnsOf({})));
-    for (const Tally& tally : all) table.add(cells(columnsOf(tally)));
+    TextTable table(partOf(columnsOf({}), kHeading));
+    for (const Tally& tally : all) table.add(partOf(columnsOf(tally), kCell));
     console.out << table;
     if (!csv_.empty()) writeCsv(csv_, all);
     return kOk;
@@ -355,7 +340,4 @@ private:
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  ScoreCovarianceApp app;
-  return runApp(app, argc, argv);
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ScoreCovarianceApp>(argc, argv); }

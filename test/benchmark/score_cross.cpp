@@ -12,6 +12,7 @@
 #include "cli/text.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
+#include "programs.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -180,7 +181,4 @@ private:
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CrossApp app;
-  return runApp(app, argc, argv);
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<CrossApp>(argc, argv); }

@@ -9,15 +9,14 @@
 // is localized in it. With --ablation the same is done again and again, with one choice at a time put back to
 // the paper's, and with two that stand in for each other. Frames are classed by the rendered truth
 // (facetloc_evaluate). Two threads or twenty: same figures.
-#include "calibration/map_ambiguity.h"
 #include "cli/app.h"
 #include "evaluation/evaluation.h"
 #include "inputs/localization_options.h"
 #include "mapped_place.h"
 #include "outputs/localization_report.h"
+#include "programs.h"
 #include "ranking/global_localization.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -28,8 +27,7 @@ namespace {
 
 using namespace facetloc;
 using namespace facetloc::internal;
-using benchmarks::MappedPlace;
-using benchmarks::SeenRun;
+using benchmarks::MappedPlace, benchmarks::percent, benchmarks::SeenRun;
 
 /** One choice put back to the paper's. */
 struct Variant {
@@ -51,8 +49,7 @@ std::vector<Variant> ablation(const Variant& all_of_it) {
   add("segment-overlap score").localization.score.by_overlap = true;
   add("no joint refinement").localization.steps.joint_refinement = false;
   Variant& plain = add("single step, no joint refinement");
-  plain.localization.ekf.iterations = 1;
-  plain.localization.steps.joint_refinement = false;
+  plain.localization.ekf.iterations = 1, plain.localization.steps.joint_refinement = false;
   add("no information of the floor").localization.steps.floor_information = false;
   add("no dense last degree of freedom").localization.steps.depth_assistance = false;
   Variant& free_space = add("no free-space term");
@@ -82,8 +79,7 @@ RunResults localized(const char* name, const SeenRun& run, const GlobalLocalizat
 /** \param with_map_images the images of the mapping run are localized, too */
 Evaluation evaluate(MappedPlace& floor, const Variant& variant, bool with_map_images, int max_hypotheses) {
   Map seen = floor.see(variant.view, variant.calibrated);
-  setAmbiguity(aliasScores(GlobalLocalization(std::make_shared<const Map>(seen), variant.localization)),
-               seen);
+  benchmarks::findAmbiguity(seen, variant.localization);
   const auto map = std::make_shared<const Map>(std::move(seen));
   GlobalLocalization localization(map, variant.localization);
   localization.setNumberOfThreads(1);
@@ -96,10 +92,6 @@ Evaluation evaluate(MappedPlace& floor, const Variant& variant, bool with_map_im
     results.push_back(localized("map", whole, localization, max_hypotheses));
   }
   return evaluate(results, floor.truth(), floor.models(), {}, benchmarks::kPoseTolerance);
-}
-
-double percent(std::size_t n, std::size_t of) {
-  return of == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(of);
 }
 
 void printHeader() {
@@ -190,8 +182,7 @@ private:
   }
 
   std::vector<std::string> floors_;
-  int every_ = 1;
-  int max_hypotheses_ = 100;
+  int every_ = 1, max_hypotheses_ = 100;
   bool map_images_ = false, ablation_ = false, raw_depth_ = false;
   ViewParams view_;
   GlobalLocalizationParams localization_;
@@ -199,7 +190,4 @@ private:
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  ScoreFloorsApp app;
-  return runApp(app, argc, argv);
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ScoreFloorsApp>(argc, argv); }

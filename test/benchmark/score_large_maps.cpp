@@ -19,6 +19,7 @@
 #include "drawing/charts.h"
 #include "drawing/offscreen_display.h"
 #include "pairs/view_registration.h"
+#include "programs.h"
 #include "ranking/global_localization.h"
 #include "set_parameter.h"
 #include "shortlist/shortlist.h"
@@ -32,7 +33,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -49,12 +49,8 @@
 namespace {
 
 using namespace facetloc;
-using internal::Batch;
-using internal::NextBatch;
-using internal::Query;
-using internal::Shortlist;
-using internal::Start;
-using internal::ViewRegistration;
+using internal::Batch, internal::NextBatch, internal::Query, internal::Shortlist, internal::Start,
+    internal::ViewRegistration;
 
 const std::vector<std::string> kScenes = {"office", "home", "hall", "corridor", "hotel"};
 constexpr double kFloorDistance = 1000;  // [m]
@@ -162,9 +158,7 @@ public:
 
 private:
   static Eigen::Isometry3d placeOf(std::size_t floor) {
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.translation().x() = kFloorDistance * static_cast<double>(floor);
-    return T;
+    return Eigen::Isometry3d(Eigen::Translation3d(kFloorDistance * static_cast<double>(floor), 0, 0));
   }
   void addFloor() {
     const std::string scene = kScenes[kind_];
@@ -195,8 +189,7 @@ double memory() {
 
 void findWhoShows(const Map& map, const GlobalLocalizationParams& params, std::vector<Question>& queries) {
   const ViewRegistration registration(params);
-  PoseWithCovariance prior;
-  prior.P = posePrior(map.camera.mounting, params.prior);
+  PoseWithCovariance prior{Eigen::Isometry3d::Identity(), posePrior(map.camera.mounting, params.prior)};
   const Matrix6d known = floorInformation(map.camera.mounting, params.prior);
   const int n = static_cast<int>(queries.size());
 #pragma omp parallel for schedule(dynamic)
@@ -299,8 +292,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   const std::shared_ptr<const Map>& map = opened.map;
   std::vector<Question> queries = building.queries(n);
   GlobalLocalizationParams all;
-  all.shortlist = options.shortlist;
-  all.shortlist.size = 0;
+  all.shortlist = options.shortlist, all.shortlist.size = 0;
   const internal::GlobalLocalization exhaustive(map, all);
   findWhoShows(*map, all, queries);
 
@@ -343,8 +335,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   }
 
   GlobalLocalizationParams some = all;
-  some.shortlist = options.shortlist;
-  some.shortlist.exhaustive_up_to = 0;
+  some.shortlist = options.shortlist, some.shortlist.exhaustive_up_to = 0;
   const internal::GlobalLocalization quick(map, some);
   const Shortlist shortlist(map, some);
   std::size_t listed = 0, held = 0;
@@ -461,10 +452,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "score_large_maps: %s\n", e.what());
-    return 1;
-  }
+  return benchmarks::runProgram("score_large_maps", [&] { return run(argc, argv); });
 }

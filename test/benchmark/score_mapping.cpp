@@ -13,6 +13,7 @@
 #include "evaluation/alignment.h"
 #include "evaluation/trajectory_errors.h"
 #include "gicp_odometry.h"
+#include "programs.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
@@ -34,8 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace facetloc;
-using benchmarks::GicpOdometry;
-using benchmarks::GicpOdometryParams;
+using benchmarks::GicpOdometry, benchmarks::GicpOdometryParams;
 
 constexpr double kPoseTolerance = 0.02;  // [s]
 constexpr double kMillimetres = 1000, kPercent = 100;
@@ -81,8 +81,8 @@ Found byGicp(const DepthSequence& sequence, const GicpOdometryParams& params) {
   const auto start = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < sequence.frames().size(); ++i)
     found.poses.push_back({sequence.frames()[i].stamp, odometry.add(sequence.load(i, kWorkingWidth))});
-  const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-  found.ms_per_image = time.count() / static_cast<double>(std::max<std::size_t>(1, found.poses.size()));
+  found.ms_per_image =
+      benchmarks::milliseconds(start) / static_cast<double>(std::max<std::size_t>(1, found.poses.size()));
   found.breaks = odometry.breaks();
   return found;
 }
@@ -258,7 +258,4 @@ private:
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  ScoreMappingApp app;
-  return runApp(app, argc, argv);
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ScoreMappingApp>(argc, argv); }

@@ -18,6 +18,7 @@
 #include "base/median.h"
 #include "cloud_registrations.h"
 #include "posed_pairs.h"
+#include "programs.h"
 #include "set_parameter.h"
 
 #include <facetloc/features/camera_presets.h>
@@ -29,9 +30,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <random>
@@ -43,10 +42,6 @@ using namespace facetloc;
 constexpr double kMaxTranslationError = 0.3, kMaxRotationError = 10 * kDegree;
 
 using namespace benchmarks;
-
-double milliseconds(std::chrono::steady_clock::time_point since) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
-}
 
 struct PairError {
   double translation, rotation;
@@ -165,8 +160,7 @@ struct CloudScore {
   double best_wrong = -std::numeric_limits<double>::infinity();
 
   void add(const CloudAnswer& answer, bool is_right) {
-    right += is_right;
-    converged += answer.converged;
+    right += is_right, converged += answer.converged;
     converged_right += answer.converged && is_right;
     if (is_right)
       merits_of_right.push_back(answer.merit);
@@ -222,10 +216,7 @@ struct Options {
   bool clouds = false, with_peers = false;
   std::vector<std::string> folders, others;
 
-  Options() {
-    registration.prior.rotation_std_deg = 60;
-    registration.prior.translation_std = 1.5;
-  }
+  Options() { registration.prior.rotation_std_deg = 60, registration.prior.translation_std = 1.5; }
   bool take(const std::string& argument) {
     const auto valueOf = [&argument](const std::string& name) -> std::optional<std::string> {
       if (argument.rfind(name + "=", 0) != 0) return std::nullopt;

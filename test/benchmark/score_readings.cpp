@@ -9,6 +9,7 @@
 // copies of it are made, each wrong in one way, and shown to facetloc_check: refused if it fails, named if it
 // has a note that it lacks for the recording itself, else silent. A note on the recording itself is
 // also printed, as far as it doubts how the recording is read.
+#include "programs.h"
 #include "tools/check_app.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -301,7 +302,7 @@ struct Counts {
   int refused = 0, named = 0, silent = 0;
 };
 
-Counts score(const fs::path& folder) {
+void score(const fs::path& folder, Counts& counts) {
   const Recording right = readRecording(folder);
   const TemporaryFolder work;
   const fs::path path = work.path() / "walk";
@@ -311,7 +312,6 @@ Counts score(const fs::path& folder) {
   for (const std::string& note : usual.notes) known.insert(withoutNumbers(note));
   fmt::print("{}: {}\n", folder.string(), usual.code == 0 ? "accepted" : "REFUSED");
   for (const std::string& note : usual.notes) fmt::print("    {}\n", note);
-  Counts counts;
   for (const WrongReading& wrong : wrongReadings()) {
     Recording recording = right;
     wrong.make(recording);
@@ -329,24 +329,19 @@ Counts score(const fs::path& folder) {
                first.substr(0, 150));
     std::fflush(stdout);
   }
-  return counts;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try {
+int main(int argc, char** argv) {
   if (argc < 2) {
     std::fprintf(stderr, "Usage: score_readings RECORDING...\n");
     return 2;
   }
-  Counts all;
-  for (int i = 1; i < argc; ++i) {
-    const Counts counts = score(argv[i]);
-    all.refused += counts.refused, all.named += counts.named, all.silent += counts.silent;
-  }
-  fmt::print("{} refused, {} named, {} silent\n", all.refused, all.named, all.silent);
-  return 0;
-} catch (const std::exception& e) {
-  std::fprintf(stderr, "score_readings: %s\n", e.what());
-  return 1;
+  return benchmarks::runProgram("score_readings", [&] {
+    Counts all;
+    for (int i = 1; i < argc; ++i) score(argv[i], all);
+    fmt::print("{} refused, {} named, {} silent\n", all.refused, all.named, all.silent);
+    return 0;
+  });
 }

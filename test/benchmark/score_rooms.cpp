@@ -92,10 +92,8 @@ public:
     const PosePriorParams robot;
     const Eigen::Matrix3d L = floorCovariance(robot).llt().matrixL();
     const Eigen::Vector3d tilt = L * Eigen::Vector3d(gauss(), gauss(), gauss());  // roll, pitch, height
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = expSO3({0, 0, heading}) * expSO3({tilt[0], tilt[1], 0});
-    T.translation() << x, y, tilt[2];
-    return T * kMounting.T_b_c();
+    return Eigen::Translation3d(x, y, tilt[2]) *
+           Eigen::Isometry3d(expSO3({0, 0, heading}) * expSO3({tilt[0], tilt[1], 0})) * kMounting.T_b_c();
   }
   bool looksIntoTheRoom(const Eigen::Isometry3d& T_w_c) const {
     return pinhole_.renderExact(scene_, T_w_c).depth.at(1, 1) >= kFreeView;  // the central pixel is enough
@@ -112,8 +110,7 @@ public:
 private:
   Scene scene_;
   std::mt19937_64 random_;
-  SimulatedCamera camera_;
-  SimulatedCamera small_camera_{kinectIntrinsics().subsampled(2), SimulatedNoise{}, 0};
+  SimulatedCamera camera_, small_camera_{kinectIntrinsics().subsampled(2), SimulatedNoise{}, 0};
   SimulatedCamera pinhole_{Intrinsics{3, 3, 1.0, 1.0, 1.0, 1.0}, SimulatedNoise{}, 0};
   ViewBuilder builder_{Camera{{}, {}, kMounting, {}}};
   Eigen::Vector2d centre_, half_;

@@ -12,6 +12,7 @@
 // at least 100 labelled pixels goes across objects if less than 90 % of these are on one.
 #include "object_score.h"
 #include "pcl_planes.h"
+#include "programs.h"
 #include "set_parameter.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -22,8 +23,6 @@
 #include <pcl/io/pcd_io.h>
 
 #include <cstdio>
-#include <exception>
-#include <string>
 
 namespace {
 
@@ -52,10 +51,6 @@ Raster<std::uint16_t> labelsOf(const FrameFile& frame, const fs::path& folder, c
   if (labels.width != image.width || labels.height != image.height)
     throw IoError(path.string(), "its labels have another size than the depth image");
   return labels;
-}
-
-double percent(std::size_t n, std::size_t of) {
-  return of == 0 ? 0 : 100 * static_cast<double>(n) / static_cast<double>(of);
 }
 
 void print(const char* name, const ObjectScore& score) {
@@ -101,10 +96,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: score_segments FOLDER [--GROUP.PARAMETER=VALUE ...]\n");
     return 2;
   }
-  try {
-    run(argv[1], params);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "score_segments: %s\n", e.what());
-    return 1;
-  }
+  return runProgram("score_segments", [&] { return run(argv[1], params), 0; });
 }

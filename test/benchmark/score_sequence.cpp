@@ -11,17 +11,16 @@
 // and drives on. Printed is, after N metres where the map shows something, within 1 m and 20 deg of a
 // local model, how many are sure and how many of these are right. With --unknown each start has a map of its
 // own, without the local models within 3 m of its way.
-#include "calibration/map_ambiguity.h"
 #include "cli/app.h"
 #include "inputs/localization_options.h"
 #include "mapped_place.h"
+#include "programs.h"
 
 #include <facetloc/localization/localizer.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -34,8 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace facetloc;
 using namespace facetloc::internal;
-using benchmarks::MappedPlace;
-using benchmarks::PosedRun;
+using benchmarks::MappedPlace, benchmarks::PosedRun;
 
 constexpr std::array<double, 7> kMetres = {0, 0.5, 1, 2, 3, 4, 5};
 
@@ -50,16 +48,11 @@ struct Course {
 };
 
 Map without(const Map& whole, const std::vector<Eigen::Isometry3d>& way, double radius) {
-  Map map;
-  map.camera = whole.camera;
-  map.ambiguity = whole.ambiguity;
-  for (const LocalModel& m : whole.models) {
-    const bool gone = std::any_of(way.begin(), way.end(), [&](const Eigen::Isometry3d& T) {
-      return (m.T_w_m->translation() - T.translation()).norm() <= radius;
+  return benchmarks::without(whole, [&](int model) {
+    return std::any_of(way.begin(), way.end(), [&](const Eigen::Isometry3d& T) {
+      return (whole.models[model].T_w_m->translation() - T.translation()).norm() <= radius;
     });
-    if (!gone) map.models.push_back(m);
-  }
-  return map;
+  });
 }
 
 double ratio(double a, double b) { return b > 0 ? 100 * a / b : 0; }
@@ -106,8 +99,7 @@ private:
         gone += (seen.truth[i].translation() - seen.truth[i - 1].translation()).norm();
       const auto begin = std::chrono::steady_clock::now();
       const Localization answer = sequence.update(seen.views[i], seen.stamps[i]);
-      course.milliseconds +=
-          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+      course.milliseconds += benchmarks::milliseconds(begin);
       bool right = false;
       PoseError error;
       if (!answer.hypotheses.empty()) {
@@ -119,15 +111,12 @@ private:
       ++course.images;
       course.sure += sure;
       course.sure_right += sure && right;
-      course.rank1 += right;
-      course.searches += answer.searched;
-      course.carried += answer.began_anew;
+      course.rank1 += right, course.searches += answer.searched, course.carried += answer.began_anew;
       course.places += static_cast<int>(answer.hypotheses.size());
       course.ever_wrong = course.ever_wrong || (sure && !right);
       if (courses_) print(start, i, gone, right, error, answer);
       while ((unknown_ || seen.covered[i]) && next < kMetres.size() && gone >= kMetres[next]) {
-        course.state[next] = answer.state;
-        course.right[next] = right;
+        course.state[next] = answer.state, course.right[next] = right;
         ++next;
       }
       if (gone >= way_) {
@@ -173,10 +162,8 @@ private:
     for (const Course& c : courses) {
       sum.images += c.images, sum.sure += c.sure, sum.sure_right += c.sure_right;
       sum.searches += c.searches, sum.places += c.places, sum.milliseconds += c.milliseconds;
-      sum.rank1 += c.rank1;
-      sum.carried += c.carried;
-      whole += c.whole;
-      ever_wrong += c.ever_wrong;
+      sum.rank1 += c.rank1, sum.carried += c.carried;
+      whole += c.whole, ever_wrong += c.ever_wrong;
     }
     std::printf("%s: %zu starts, %d whole; ever sure and wrong %.2f %%; of all images sure %.1f %%, right of "
                 "these %.2f %%, rank 1 %.1f %%; "
@@ -207,7 +194,7 @@ private:
       MappedPlace place(name, static_cast<std::size_t>(every_), run_);
       Map map = place.see(view_);
       const PosedRun seen = place.posedQuery(evaluation_);
-      setAmbiguity(aliasScores(GlobalLocalization(std::make_shared<const Map>(map), localization_)), map);
+      benchmarks::findAmbiguity(map, localization_);
       const std::vector<Course> courses = coursesOf(std::make_shared<const Map>(std::move(map)), seen);
       print(fs::path(name).filename().string(), courses);
       all.insert(all.end(), courses.begin(), courses.end());
@@ -229,7 +216,4 @@ private:
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  ScoreSequenceApp app;
-  return runApp(app, argc, argv);
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ScoreSequenceApp>(argc, argv); }

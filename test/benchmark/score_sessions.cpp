@@ -8,13 +8,14 @@
 // is the map of the first run, AFTER the same extended by the second one. Each segment of BEFORE is of the
 // true plane that most of its pixels show, and has moved if that plane is not there in the second run. It is
 // seen again if at least two images of the second run look at its place, and nothing hides it.
+#include "programs.h"
+
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/png.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -170,14 +171,10 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
 
 }  // namespace
 
-int main(int argc, char** argv) try {
+int main(int argc, char** argv) {
   if (argc != 4) {
     std::fprintf(stderr, "Usage: score_sessions PLACE BEFORE.flmap AFTER.flmap\n");
     return 2;
   }
-  score(argv[1], argv[2], argv[3]);
-  return 0;
-} catch (const std::exception& e) {
-  std::fprintf(stderr, "score_sessions: %s\n", e.what());
-  return 1;
+  return benchmarks::runProgram("score_sessions", [&] { return score(argv[1], argv[2], argv[3]), 0; });
 }

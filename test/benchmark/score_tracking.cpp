@@ -11,37 +11,29 @@
 // more, jumping by half of its length every SECONDS; the time until it is found again counts from
 // the jump, and once more only where a local model shows the place, within 1 m and 20 deg. --frames prints
 // every frame.
-#include "mapping_camera.h"
+#include "mapped_place.h"
+#include "programs.h"
 #include "set_parameter.h"
 
 #include <facetloc/features/pose.h>
-#include <facetloc/io/depth_sequence.h>
 #include <facetloc/localization/localizer.h>
-#include <facetloc/mapping/map_builder.h>
-#include <facetloc/segmentation/view_builder.h>
 
 #include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace facetloc;
 
-constexpr double kTolerance = 0.02;  // [s]
 constexpr double kGoodTranslation = 0.05, kGoodRotation = 1 * kDegree;
-constexpr double kCoveredTranslation = 1, kCoveredRotation = 20 * kDegree;
 
 struct Options {
   double kidnap = 0;   // [s]
@@ -51,79 +43,24 @@ struct Options {
   LocalizerParams localizer;
 };
 
-std::vector<View> viewsOf(const DepthSequence& sequence, const std::vector<std::size_t>& frames,
-                          const Camera& camera) {
-  std::vector<View> views(frames.size());
-  const int n = static_cast<int>(frames.size());
-#pragma omp parallel
-  {
-    ViewBuilder builder(camera);
-#pragma omp for schedule(dynamic)
-    for (int i = 0; i < n; ++i) views[i] = builder.build(sequence.load(frames[i], kWorkingWidth));
+/** The map of a floor, and its run drive/. */
+struct Floor : benchmarks::PosedRun {
+  explicit Floor(const std::string& folder) {
+    benchmarks::MappedPlace place(folder, 1, "drive");
+    map = std::make_shared<const Map>(place.see({}));
+    PosedRun::operator=(place.posedQuery({}));
   }
-  return views;
-}
-
-struct Floor {
-  std::shared_ptr<Map> map = std::make_shared<Map>();
-  std::vector<double> stamps;
-  std::vector<Eigen::Isometry3d> truth;
-  std::vector<View> views;
-  std::vector<char> covered;  // near a local model
-
-  explicit Floor(const fs::path& folder) {
-    const DepthSequence mapping = DepthSequence::open(folder / "map"),
-                        drive = DepthSequence::open(folder / "drive");
-    MapBuilder rule;
-    std::vector<std::size_t> chosen;
-    for (std::size_t i = 0; i < mapping.frames().size(); ++i) {
-      const FrameFile& frame = mapping.frames()[i];
-      const auto pose = mapping.groundTruth().at(frame.stamp, kTolerance);
-      if (!pose || !rule.accept(*pose)) continue;
-      chosen.push_back(i);
-      map->models.emplace_back(frame.name, frame.stamp, *pose);
-    }
-    map->camera = mapping.camera()->camera;
-    std::vector<View> of_models = viewsOf(mapping, chosen, map->camera);
-    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].setView(std::move(of_models[i]));
-    map->camera.distortion = benchmarks::distortionOf(*map);
-    of_models = viewsOf(mapping, chosen, map->camera);
-    for (std::size_t i = 0; i < chosen.size(); ++i) map->models[i].setView(std::move(of_models[i]));
-
-    std::vector<std::size_t> all;
-    for (std::size_t i = 0; i < drive.frames().size(); ++i) {
-      const auto pose = drive.groundTruth().at(drive.frames()[i].stamp, kTolerance);
-      if (!pose) continue;
-      all.push_back(i);
-      stamps.push_back(drive.frames()[i].stamp);
-      truth.push_back(*pose);
-      covered.push_back(isCovered(*pose));
-    }
-    views = viewsOf(drive, all, map->calibrated(drive.camera()->camera));
-  }
-
-  bool isCovered(const Eigen::Isometry3d& T_w_c) const {
-    return std::any_of(map->models.begin(), map->models.end(), [&T_w_c](const LocalModel& m) {
-      const Eigen::Isometry3d apart = m.T_w_m->inverse() * T_w_c;
-      return apart.translation().norm() <= kCoveredTranslation &&
-             rotationAngle(apart.linear()) <= kCoveredRotation;
-    });
-  }
+  std::shared_ptr<const Map> map;
 };
 
 struct Score {
   int frames = 0, after_fix = 0, good = 0, posed = 0;
   std::array<int, 5> states{};
   double translation = 0, rotation = 0, nees = 0, step_ms = 0, search_ms = 0, worst_ms = 0;
-  int steps = 0, searches = 0;
-  int kidnaps = 0, noticed = 0, repaired = 0;
+  int steps = 0, searches = 0, kidnaps = 0, noticed = 0, repaired = 0;
   int covered = 0, shown = 0;  // frames; kidnappings to where the map shows something before the next one
   double notice = 0, worst_notice = 0, repair = 0, worst_repair = 0, worst_repair_in_map = 0;  // [s]
 };
-
-double milliseconds(const std::chrono::steady_clock::time_point& since) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
-}
 
 Score track(const Floor& floor, const Options& options) {
   Score score;
@@ -148,7 +85,7 @@ Score track(const Floor& floor, const Options& options) {
     if (now < free_at) continue;
     const auto start = std::chrono::steady_clock::now();
     const Localization pose = localizer.update(floor.views[k], now);
-    const double ms = milliseconds(start);
+    const double ms = benchmarks::milliseconds(start);
     const bool searched = pose.searched;
     free_at = now + (searched ? options.busy : options.step);
     (searched ? score.search_ms : score.step_ms) += ms;
@@ -275,10 +212,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "score_tracking: %s\n", e.what());
-    return 1;
-  }
+  return benchmarks::runProgram("score_tracking", [&] { return run(argc, argv); });
 }

@@ -14,6 +14,7 @@
 #include "cli/app.h"
 #include "inputs/localization_options.h"
 #include "mapped_place.h"
+#include "programs.h"
 #include "ranking/global_localization.h"
 
 #include <facetloc/io/atomic_file.h>
@@ -38,7 +39,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace facetloc;
 using namespace facetloc::internal;
-using benchmarks::MappedPlace;
+using benchmarks::MappedPlace, benchmarks::percent, benchmarks::without;
 
 /** The outcome of one query in one map. */
 struct Answer {
@@ -54,16 +55,6 @@ struct Answer {
     return localization.hypotheses.empty() ? 0 : localization.hypotheses.front().probability;
   }
 };
-
-template <class Gone>
-Map without(const Map& whole, const Gone& gone) {
-  Map map;
-  map.camera = whole.camera;
-  map.meta = whole.meta;
-  for (std::size_t i = 0; i < whole.models.size(); ++i)
-    if (!gone(static_cast<int>(i))) map.models.push_back(whole.models[i]);
-  return map;
-}
 
 bool isRight(const Localization& answer, const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) {
   if (answer.hypotheses.empty() || !answer.hypotheses.front().T_w_c) return false;
@@ -118,10 +109,6 @@ private:
   std::vector<int> models_;
   std::vector<std::optional<Hypothesis>> wrong_;
 };
-
-double percent(std::size_t n, std::size_t of) {
-  return of == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(of);
-}
 
 template <class Chosen>
 std::size_t count(const std::vector<Answer>& answers, const Chosen& chosen) {
@@ -325,7 +312,4 @@ private:
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  ScoreUnknownApp app;
-  return runApp(app, argc, argv);
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ScoreUnknownApp>(argc, argv); }

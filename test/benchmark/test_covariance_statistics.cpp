@@ -32,10 +32,7 @@ Vector6d drawn(const Matrix6d& P, std::mt19937& random) {
 }
 
 Eigen::Isometry3d somePose() {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(2, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
-  T.translation() << 3, -1, 2;
-  return T;
+  return Eigen::Translation3d(3, -1, 2) * Eigen::AngleAxisd(2, Eigen::Vector3d(1, -2, 0.5).normalized());
 }
 
 /** Errors of this covariance, poses that state another one. */
