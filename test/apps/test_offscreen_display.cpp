@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing/charts.h"
 #include "drawing/offscreen_display.h"
+#include "drawing/pictures.h"
 #include "tool_runner.h"
 
 #include <gmock/gmock.h>
@@ -43,16 +43,15 @@ TEST(OffscreenDisplay, NamesTheCauseOfFailure) {
   EXPECT_THAT(offscreen.problem(), testing::HasSubstr("xvfb"));
 }
 
-TEST(Charts, AreTheSameEachTime) {
+TEST(Runs, LookTheSameEachTime) {
   const Environment display("DISPLAY", nullptr);
   const OffscreenDisplay offscreen;
   if (!offscreen.available()) GTEST_SKIP() << offscreen.problem();
   const test::TemporaryFolder folder;
-  Panel panel;
-  panel.title = "Example";
-  panel.curves = {{"line", {0, 0.5, 1}, {0, 1, 0.5}}, {"", {}, {}}};
-  drawCharts(folder / "a.png", 320, 240, {panel});
-  drawCharts(folder / "b.png", 320, 240, {panel});
+  const Eigen::Isometry3d start = Eigen::Isometry3d::Identity(), end(Eigen::Translation3d(2, 1, 0));
+  const PlanView above(Eigen::Vector3d::UnitZ());
+  drawRuns(folder / "a.png", above, {{"walk", {start, end}}, {"nothing", {}}});
+  drawRuns(folder / "b.png", above, {{"walk", {start, end}}, {"nothing", {}}});
   const std::string a = test::contentOf(folder / "a.png");
   EXPECT_EQ(a.substr(1, 3), "PNG");
   EXPECT_EQ(a, test::contentOf(folder / "b.png"));

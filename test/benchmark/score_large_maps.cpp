@@ -3,7 +3,7 @@
 // Costs and savings of the shortlist in large maps of simulated floors.
 //
 //   score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] [--csv FILE]
-//                    [--plot FILE.png] [--first-seed N] [--set shortlist.PARAMETER VALUE]
+//                    [--first-seed N] [--set shortlist.PARAMETER VALUE]
 //
 // The floors (office, home and hall of every seed) are rendered once and kept in DIR. A map of N local models
 // is made of as many floors as that takes, far from each other, and kept in DIR/large-N.flmap. It is used as
@@ -16,8 +16,6 @@
 // --exhaustive localizes N of the queries with the shortlist and with all models, and counts whose
 // answers have a right place among their first ones, and whose first place is right or wrong at which
 // probability.
-#include "drawing/charts.h"
-#include "drawing/offscreen_display.h"
 #include "pairs/view_registration.h"
 #include "programs.h"
 #include "ranking/global_localization.h"
@@ -59,7 +57,7 @@ constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // models that may sh
 constexpr int kLengths[] = {1, 10, 20, 40, 50, 75, 100, 150, 200, 300, 500, 1000};
 
 struct Options {
-  std::string floors, csv, plot;
+  std::string floors, csv;
   std::vector<std::size_t> models = {1000, 10000};
   std::size_t queries = 200, exhaustive = 0;
   std::uint64_t first_seed = 1;
@@ -286,8 +284,7 @@ Opened open(const std::string& path, const ShortlistParams& params) {
   return opened;
 }
 
-/** \return recall of the best aligned models by their number. */
-Curve score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
+void score(const Options& options, Building& building, std::size_t n, std::FILE* csv) {
   const Opened opened = open(building.map(n), options.shortlist);
   const std::shared_ptr<const Map>& map = opened.map;
   std::vector<Question> queries = building.queries(n);
@@ -318,17 +315,12 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
   const double vote = 1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
   std::printf("%zu queries, %zu answerable; aligned in %.1f ms\n", queries.size(), ranks.size(), vote);
   std::printf("%10s %10s\n", "aligned", "recall");
-  Curve curve;
-  curve.label = std::to_string(n) + " local models";
-  curve.markers = true;
   for (const int length : kLengths) {
     if (length > longest) break;
     const auto held = std::count_if(ranks.begin(), ranks.end(), [length](int r) { return r < length; });
     const double recall =
         static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
     std::printf("%10d %8.1f %%\n", length, 100 * recall);
-    curve.x.push_back(length);
-    curve.y.push_back(100 * recall);
     if (csv)
       std::fprintf(csv, "%zu,%d,%zu,%.5f,%.3f,%.3f,%.3f,%.1f,%.1f\n", n, length, ranks.size(), recall, vote,
                    opened.build_s, opened.open_s, opened.map_mb, opened.index_mb);
@@ -368,7 +360,7 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
 
   std::fflush(stdout);
   if (csv) std::fflush(csv);
-  if (options.exhaustive == 0) return curve;
+  if (options.exhaustive == 0) return;
   const std::size_t asked = std::min(options.exhaustive, queries.size());
   std::vector<Grade> all_grades, some_grades;
   start = std::clock();
@@ -381,21 +373,6 @@ Curve score(const Options& options, Building& building, std::size_t n, std::FILE
               1e3 * seconds(start) / static_cast<double>(asked));
   compare(all_grades, some_grades);
   std::fflush(stdout);
-  return curve;
-}
-
-void plot(const std::string& path, std::vector<Curve> curves) {
-  Panel panel;
-  panel.title = "Queries whose place is among the best aligned local models";
-  panel.x_title = "best aligned local models";
-  panel.y_title = "recall [%]";
-  panel.x_min = 1, panel.x_max = 1000, panel.logarithmic_x = true;
-  panel.y_min = 60, panel.y_max = 100;
-  for (std::size_t i = 0; i < curves.size(); ++i)
-    curves[i].colour = kCurveColours[i % std::size(kCurveColours)];
-  panel.curves = std::move(curves);
-  const OffscreenDisplay display;
-  drawCharts(path, 900, 600, {panel});
 }
 
 int run(int argc, char** argv) {
@@ -420,8 +397,6 @@ int run(int argc, char** argv) {
       options.first_seed = std::strtoul(argv[++i], nullptr, 10);
     } else if (argument == "--csv" && has_value) {
       options.csv = argv[++i];
-    } else if (argument == "--plot" && has_value) {
-      options.plot = argv[++i];
     } else if (argument == "--set" && i + 2 < argc &&
                benchmarks::setParameter(options.shortlist, argv[i + 1], argv[i + 2], "shortlist")) {
       i += 2;
@@ -434,7 +409,7 @@ int run(int argc, char** argv) {
   if (options.floors.empty()) {
     std::fprintf(stderr,
                  "usage: score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] "
-                 "[--csv FILE] [--plot FILE.png] [--first-seed N] [--misses] [--set PARAMETER VALUE]\n");
+                 "[--csv FILE] [--first-seed N] [--misses] [--set PARAMETER VALUE]\n");
     return 2;
   }
   std::FILE* csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
@@ -442,9 +417,7 @@ int run(int argc, char** argv) {
   if (csv)
     std::fprintf(csv, "models,shortlist,answerable,recall,shortlist_ms,build_s,open_s,map_mb,index_mb\n");
   Building building(options);
-  std::vector<Curve> curves;
-  for (const std::size_t n : options.models) curves.push_back(score(options, building, n, csv));
-  if (!options.plot.empty()) plot(options.plot, std::move(curves));
+  for (const std::size_t n : options.models) score(options, building, n, csv);
   if (csv && std::fclose(csv) != 0) throw std::runtime_error("cannot write " + options.csv);
   return 0;
 }

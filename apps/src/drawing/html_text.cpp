@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <json/writer.h>
 
 namespace facetloc {
 
@@ -40,6 +41,15 @@ std::string base64(std::string_view bytes) {
       group = group << 8 | (k < n ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k) text += k <= n ? kDigits[group >> (18 - 6 * k) & 63] : '=';
   }
+  return text;
+}
+
+std::string scriptText(const Json::Value& value) {
+  Json::StreamWriterBuilder builder;
+  builder["indentation"] = "";
+  builder["precision"] = 6;
+  std::string text;
+  for (const char c : Json::writeString(builder, value)) c == '<' ? text += "\\u003c" : text += c;
   return text;
 }
 

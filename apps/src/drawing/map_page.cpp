@@ -8,23 +8,7 @@
 
 #include <facetloc/io/atomic_file.h>
 
-#include <json/writer.h>
-
 namespace facetloc {
-namespace {
-
-/** JSON that may stand in a script: no tag begins in it. */
-std::string scriptText(const Json::Value& value) {
-  Json::StreamWriterBuilder builder;
-  builder["indentation"] = "";
-  builder["precision"] = 6;
-  std::string text;
-  for (const char c : Json::writeString(builder, value)) c == '<' ? text += "\\u003c" : text += c;
-  return text;
-}
-
-}  // namespace
-
 void writeMapPage(const std::filesystem::path& path, const Map& map, const MapPage& content) {
   const std::string scripts = pageFile("three_license.js") + pageFile("three.js") + "\n" +
                               pageFile("orbit.js") + "\n" + pageFile("map.js");

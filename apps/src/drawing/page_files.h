@@ -11,6 +11,10 @@ namespace facetloc {
  * two if facetloc was built without them. */
 std::string pageFile(const std::string& name);
 
+/** \brief Whether there is a file of this name, such as "chart.js", the library that draws charts in
+ * browsers. */
+bool hasPageFile(const std::string& name);
+
 /** \brief A page of apps/pages with the places in it, such as \@TITLE\@, filled in. Texts are inserted as
  * they are. */
 std::string filledPage(const std::string& name, const std::map<std::string, std::string>& texts);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drawing/colours.h"
+#include "drawing/plan_view.h"
 #include "inputs/seen_image.h"
 
 #include <facetloc/features/depth_image.h>
@@ -43,6 +44,9 @@ struct DrawnMarks {
  * one. */
 void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
                   const std::vector<DrawnMarks>& marks = {});
+
+/** \brief Runs from above, with a scale bar. */
+void drawRuns(const std::filesystem::path& path, const PlanView& view, const std::vector<DrawnRun>& runs);
 
 /** \brief A place where the camera may be. */
 struct DrawnPlace {

@@ -74,12 +74,14 @@ std::vector<LegendEntry> legendOf(const FloorPlan& plan, const std::vector<Drawn
   const Vector to_end(kSample - 6, 0), to_middle(kSample / 2 - 3, 0);
   const auto number = [](std::size_t n) { return fmt::format(" ({})", n); };
   std::vector<LegendEntry> entries;
-  entries.push_back({[=](Page& p, const Vector& at) { drawWall(p, at, at + to_end, kTallestWall); },
-                     "upright segments" + number(plan.walls.size())});
-  entries.push_back({[=](Page& p, const Vector& at) {
-                       drawModel(p, at + 0.3 * to_middle, {1, 0}, 16);
-                     },
-                     "local models" + number(plan.models.size())});
+  if (!plan.models.empty()) {
+    entries.push_back({[=](Page& p, const Vector& at) { drawWall(p, at, at + to_end, kTallestWall); },
+                       "upright segments" + number(plan.walls.size())});
+    entries.push_back({[=](Page& p, const Vector& at) {
+                         drawModel(p, at + 0.3 * to_middle, {1, 0}, 16);
+                       },
+                       "local models" + number(plan.models.size())});
+  }
   if (!plan.links.empty())
     entries.push_back({[=](Page& p, const Vector& at) {
                          p.line({at, at + to_end}, {kLink, 2});
@@ -138,11 +140,8 @@ void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
   page.text({right - width - 8, y}, fmt::format("{:.9g} m", length), style);
 }
 
-}  // namespace
-
-void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
-                  const std::vector<DrawnMarks>& marks) {
-  const FloorPlan plan = floorPlan(map, mainPart(map), path);
+void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const std::vector<DrawnRun>& runs,
+                 const std::vector<DrawnMarks>& marks) {
   const PlanScale scale = scaleFor(extentOf(plan, runs, marks));
 
   constexpr double kBarWidth = 260;
@@ -159,6 +158,17 @@ void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::
   }
   drawScaleBar(page, scale, scale.box().right(), legend_top + kLegendRow / 2);
   writePng(path, page.render());
+}
+
+}  // namespace
+
+void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
+                  const std::vector<DrawnMarks>& marks) {
+  drawPicture(path, floorPlan(map, mainPart(map), path), runs, marks);
+}
+
+void drawRuns(const std::filesystem::path& path, const PlanView& view, const std::vector<DrawnRun>& runs) {
+  drawPicture(path, {view, {}, {}, {}}, runs, {});
 }
 
 }  // namespace facetloc

@@ -32,14 +32,13 @@ constexpr std::size_t kFailures = 6;  // that are drawn
 constexpr const char* kFailureFolder = "failures";
 constexpr const char* kMappingRun = "map";  // folder of a simulated place
 constexpr const char* kTrajectories = "trajectory.png";
-constexpr const char* kStarts = "starts.png";
 constexpr const char* kMapPage = "map.html";
 
 /** Removes the output of an earlier evaluation that this one may not replace. */
 void removeEarlier(const fs::path& folder) {
   for (const char* name :
        {"report.html", kMapPage, "timing_summary.csv", "fig6.png", "reliability.png", "errors.png",
-        "floor_map.png", kTrajectories, kStarts, "starts_by_images.csv", "starts_by_metres.csv"})
+        "floor_map.png", kTrajectories, "starts.png", "starts_by_images.csv", "starts_by_metres.csv"})
     fs::remove(folder / name);
   removeMisses(folder / kFailureFolder);
 }
@@ -91,8 +90,9 @@ EvaluateApp::EvaluateApp()
           "or the folder of a simulated place. Prints tables and writes report.html: a verdict, charts and "
           "tables, and with --map the floor map and some failures. map.html shows all answers in the map, to "
           "turn in a browser. For a TRAJECTORY, a file in the TUM format, prints its absolute and relative "
-          "errors. Replaces an earlier evaluation in the same folder. Charts and pictures need an X display; "
-          "without one, Xvfb is started if installed.") {}
+          "errors. Replaces an earlier evaluation in the same folder. Pictures need an X display; without "
+          "one, "
+          "Xvfb is started if installed.") {}
 
 void EvaluateApp::addOptions(CommandLine& line) {
   line.addArgument("RESULTS", results_);
@@ -208,21 +208,16 @@ void EvaluateApp::addMap(const EvaluationReport& report, const Input& input, Rep
   figures.map_page = true;
 }
 
-/** The charts as PNG files, which are in the report anyway, and pictures of images that miss. */
+/** Pictures of the map and of images that miss; none without the map. */
 std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& report, const Input& input,
                                                      const Console& console) const {
+  if (!input.map) return {};
   const OffscreenDisplay display;
   if (!display.available()) {
     console.note("no pictures: " + display.problem());
     return {};
   }
   const fs::path folder = folder_;
-  drawFig6(folder / "fig6.png", report.summaries, params_);
-  drawReliability(folder / "reliability.png", newImages(report.summaries));
-  const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
-  drawErrors(folder / "errors.png", errorsByVisiblePlanes(frames), errorsByDistance(frames));
-  if (!input.starts.empty()) drawStartCurves(folder / kStarts, input.starts);
-  if (!input.map) return {};
   drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation);
   return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
                     input.truth, input.runs, console);
@@ -231,7 +226,7 @@ std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& rep
 ReportFigures EvaluateApp::figuresOf(const EvaluationReport& report, const Input& input,
                                      const Console& console) const {
   ReportFigures figures;
-  figures.charts = startPanels(input.starts);
+  figures.starts = input.starts;
   // A map without poses, or a build without three.js, is no reason to miss the report.
   const auto attempt = [&](const auto& draw) {
     try {

@@ -1,31 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "drawing/charts.h"
-#include "evaluation/evaluation_details.h"
+#include "evaluation/evaluation_report.h"
+#include "evaluation/trajectory_errors.h"
 
 #include <filesystem>
-#include <vector>
+#include <json/value.h>
 
 namespace facetloc {
 
-// Charts of an evaluation: as panels, for svgChart(), and as PNG files, written atomically, which need an X
-// display (OffscreenDisplay) and throw IoError.
+// Charts of reports: their data, which apps/pages/report.js draws. Rows are arrays of numbers, in the order
+// of the names below.
 
-/** \brief The paper's Fig. 6: cumulative histograms of the errors and the rank of the first correct
- * hypothesis, with 99 % marks of the first summary and, beside the paper, of its own. */
-std::vector<Panel> fig6Panels(const std::vector<Summary>& summaries, const EvaluationParams& params,
-                              bool beside_paper = true);
-void drawFig6(const std::filesystem::path& path, const std::vector<Summary>& summaries,
-              const EvaluationParams& params);
-/** \brief How often rank 1 is correct over its probability, and from how many images that is known. */
-std::vector<Panel> reliabilityPanels(const Summary& summary);
-void drawReliability(const std::filesystem::path& path, const Summary& summary);
-/** \brief Shares and errors over the planes in view and over the distance to the map; none without groups. */
-std::vector<Panel> errorPanels(const std::vector<ErrorGroup>& by_planes,
-                               const std::vector<ErrorGroup>& by_distance);
-/** \brief Draws them; false, and nothing drawn, without groups. */
-bool drawErrors(const std::filesystem::path& path, const std::vector<ErrorGroup>& by_planes,
-                const std::vector<ErrorGroup>& by_distance);
+/** \brief The charts of an evaluation; null without data.
+ *
+ * reliability: images, brier, enough (images of a bin that says something), bins (lowest, highest, images,
+ * mean probability, share correct). position, orientation: limit, marks (99 % bounds by name), sets (name,
+ * ascending errors of first correct hypotheses). planes, distance: mean, images, correct, correct at rank 1.
+ * starts by images, metres: since the start, starts, sure, right. */
+Json::Value chartData(const EvaluationReport& report, const std::vector<StartCurve>& starts);
+/** \brief The charts of a trajectory. plan: true, estimated (to the right, to the top [m]). errors: true way
+ * [m], position [mm], orientation [deg]. */
+Json::Value chartData(const TrajectoryErrors& errors);
+
+/** \brief Draws a trajectory and the true one from above into a PNG, atomically. Needs an X display
+ * (OffscreenDisplay). Throws IoError. */
+void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors& errors);
 
 }  // namespace facetloc

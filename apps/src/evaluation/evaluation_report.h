@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "drawing/charts.h"
 #include "evaluation/evaluation_tables.h"
+#include "evaluation/start_curves.h"
 #include "evaluation/trajectory_errors.h"
 
 #include <filesystem>
@@ -56,7 +56,7 @@ struct ReportPicture {
 struct ReportFigures {
   std::string plan;                     ///< svgFloorMap() with the answers; may be empty
   bool map_page = false;                ///< map.html lies beside the report
-  std::vector<Panel> charts;            ///< beside those of every report
+  std::vector<StartCurve> starts;       ///< may be empty
   std::vector<ReportPicture> pictures;  ///< pictures of images with a wrong or missing answer
 };
 /** \brief Writes report.html, atomically: the verdict, the map, charts, then tables; everything in one file.

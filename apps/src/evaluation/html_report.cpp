@@ -58,6 +58,16 @@ void HtmlPage::picture(const std::filesystem::path& png, const std::string& capt
                        htmlEscaped(caption), base64(bytes), element("figcaption", caption));
 }
 
+void HtmlPage::charts(const Json::Value& data) {
+  if (!hasPageFile("chart.js"))
+    return paragraph("Charts are missing: facetloc was built without Chart.js, which draws them (Debian's "
+                     "libjs-chart.js).");
+  body_ += "<div id=\"charts\"><noscript>Charts need JavaScript.</noscript></div>\n";
+  scripts_ = fmt::format(
+      "<script id=\"data\" type=\"application/json\">{}</script>\n<script>\n{}{}\n{}</script>\n",
+      scriptText(data), pageFile("chart_license.js"), pageFile("chart.js"), pageFile("report.js"));
+}
+
 void HtmlPage::link(const std::string& file, const std::string& text) {
   body_ += "<p>" + element("a", text, fmt::format(" href=\"{}\"", htmlEscaped(file))) + "</p>\n";
 }
@@ -78,8 +88,10 @@ void HtmlPage::end() {
 }
 
 std::string HtmlPage::str() const {
-  return filledPage("report.html",
-                    {{"TITLE", htmlEscaped(title_)}, {"STYLE", pageFile("report.css")}, {"BODY", body_}});
+  return filledPage("report.html", {{"TITLE", htmlEscaped(title_)},
+                                    {"STYLE", pageFile("report.css")},
+                                    {"BODY", body_},
+                                    {"SCRIPTS", scripts_}});
 }
 
 }  // namespace facetloc

@@ -11,8 +11,8 @@
 
 namespace facetloc {
 
-/** \brief A page in one file: its style, charts and pictures are inside, it has no scripts. All texts are
- * plain and escaped here. */
+/** \brief A page in one file: its style, pictures and the script that draws its charts are inside. All texts
+ * are plain and escaped here. */
 class HtmlPage {
 public:
   explicit HtmlPage(std::string title) : title_(std::move(title)) {}
@@ -30,13 +30,17 @@ public:
   void begin(const std::string& css_class);
   void beginFolded(const std::string& title);
   void end();
-  /** \brief Elements that are HTML already, such as svgChart(). */
+  /** \brief Charts, which the page draws, once in a page. Instead of them says that facetloc was built
+   * without Chart.js. \param data chartData() */
+  void charts(const Json::Value& data);
+  /** \brief Elements that are HTML already, such as svgFloorMap(). */
   void insert(const std::string& html) { body_ += html; }
   std::string str() const;
 
 private:
   std::string title_;
   std::string body_;
+  std::string scripts_;            // elements
   std::vector<std::string> open_;  // elements
 };
 

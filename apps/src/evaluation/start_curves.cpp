@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "cli/text.h"
-#include "drawing/charts.h"
 
 #include <facetloc/io/atomic_file.h>
 
@@ -84,39 +83,6 @@ void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves) 
                          p.starts, percent(p.recall()), percent(p.precision()));
     }
   }
-}
-
-std::vector<Panel> startPanels(const std::vector<StartCurve>& curves) {
-  std::vector<Panel> panels;
-  for (const StartCurve& curve : curves) {
-    Panel panel;
-    panel.title = "Recall and precision from any start";
-    panel.x_title = curve.name == "metres" ? "Way since the start [m]" : "Images since the start";
-    panel.y_title = "Share";
-    panel.y_max = 1.05;
-    Curve recall, precision;
-    recall.label = "sure and right, of all starts";
-    precision.label = "right, of the sure ones";
-    precision.colour = kCurveColours[1];
-    precision.dashed = true;
-    for (const StartCurve::Point& p : curve.points) {
-      recall.x.push_back(p.x);
-      recall.y.push_back(p.recall());
-      precision.x.push_back(p.x);
-      precision.y.push_back(p.precision());
-    }
-    panel.x_max = curve.points.empty() ? 1 : std::max(1.0, curve.points.back().x);
-    panel.curves = {recall, precision};
-    const float width = 1.f / static_cast<float>(curves.size());
-    panel.place = {static_cast<float>(panels.size()) * width, 0, width, 1};
-    panels.push_back(std::move(panel));
-  }
-  return panels;
-}
-
-void drawStartCurves(const std::filesystem::path& path, const std::vector<StartCurve>& curves) {
-  constexpr int kWidth = 1200, kHeight = 500;  // [px]
-  drawCharts(path, kWidth, kHeight, startPanels(curves));
 }
 
 }  // namespace facetloc

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "drawing/charts.h"
 #include "evaluation/evaluation.h"
 
 #include <facetloc/io/results.h>
@@ -41,9 +40,5 @@ std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
 void writeStartCurves(const std::filesystem::path& folder, const std::vector<StartCurve>& curves);
 /** \brief Some points of each. */
 void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves);
-/** \brief Recall and precision of all curves, as charts. */
-std::vector<Panel> startPanels(const std::vector<StartCurve>& curves);
-/** \brief Draws them. Needs an X display (OffscreenDisplay). */
-void drawStartCurves(const std::filesystem::path& path, const std::vector<StartCurve>& curves);
 
 }  // namespace facetloc

@@ -2,7 +2,7 @@
 #include "evaluation/trajectory_report.h"
 
 #include "base/text.h"
-#include "drawing/svg_charts.h"
+#include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
 
 #include <facetloc/features/so3.h>
@@ -120,9 +120,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport
     page.paragraph(fmt::format("That is {:.2f} % of the distance travelled; the largest error is {:.0f} mm.",
                                kPercent * e.absolute.rmse / e.length(), kMillimetres * e.absolute.max));
   page.end();
-  page.begin("charts");
-  for (const Panel& panel : trajectoryPanels(e)) page.insert(svgChart(panel));
-  page.end();
+  page.charts(chartData(e));
   for (const ReportTable& t : tables(e)) page.table(t.title, t.table);
   page.beginFolded("How it was judged");
   for (const std::string& line : preface(report)) page.paragraph(line);

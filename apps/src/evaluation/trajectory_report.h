@@ -26,12 +26,6 @@ void writeReport(const std::filesystem::path& folder, const TrajectoryReport& re
 /** \brief Writes report.html, atomically: everything in one file. Throws IoError. */
 void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report);
 
-/** \brief Both trajectories from above, and the errors over the way, as charts. */
-std::vector<Panel> trajectoryPanels(const TrajectoryErrors& errors);
-/** \brief Draws both trajectories from above, and the errors over the way. Needs an X display
- * (OffscreenDisplay). Throws IoError. */
-void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors& errors);
-
 /** \brief "rotated by 12.30 deg, moved by (1.000, 2.000, 3.000) m". */
 std::string motionText(const Eigen::Isometry3d& T);
 

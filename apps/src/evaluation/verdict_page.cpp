@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing/svg_charts.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
 #include "evaluation/verdict.h"
@@ -30,19 +29,6 @@ void addVerdict(const Verdict& verdict, const ReportFigures& figures, HtmlPage& 
   if (figures.map_page) page.link("map.html", "The map to turn and to click, with all answers");
   page.begin("next");
   page.paragraph("Next: " + verdict.next);
-  page.end();
-}
-
-void addCharts(const EvaluationReport& report, const ReportFigures& figures, HtmlPage& page) {
-  const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
-  std::vector<Panel> panels = reliabilityPanels(newImages(report.summaries));
-  for (const auto& more :
-       {figures.charts, errorPanels(errorsByVisiblePlanes(frames), errorsByDistance(frames)),
-        fig6Panels(report.summaries, report.params, isPapersExperiment(report))})
-    panels.insert(panels.end(), more.begin(), more.end());
-  page.heading("Charts");
-  page.begin("charts");
-  for (const Panel& panel : panels) page.insert(svgChart(panel));
   page.end();
 }
 
@@ -97,7 +83,8 @@ void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport
   HtmlPage page("Localization of " + titleOf(of_recording ? report.truth : report.results));
   addVerdict(verdictOf(report), figures, page);
   if (report.isJudged()) {
-    addCharts(report, figures, page);
+    page.heading("Charts");
+    page.charts(chartData(report, figures.starts));
     addMisses(report, figures.pictures, page);
     addTables(report, page);
   } else {
