@@ -5,11 +5,7 @@
 
 #include <facetloc/io/depth_sequence.h>
 
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <string>
 
 namespace facetloc::test {
 

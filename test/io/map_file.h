@@ -2,34 +2,13 @@
 #pragma once
 
 #include "example_map.h"
+#include "sql.h"
 #include "temporary_folder.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/testing/changed_views.h>
 
-#include <gtest/gtest.h>
-#include <sqlite3.h>
-
-#include <filesystem>
-#include <string>
-
 namespace facetloc::test {
-
-/** \brief Changes a map file as another program might. */
-inline void sql(const std::filesystem::path& path, const std::string& statement) {
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
-  char* message = nullptr;
-  sqlite3_exec(db, statement.c_str(), nullptr, nullptr, &message);
-  EXPECT_STREQ(message, nullptr);
-  sqlite3_free(message);
-  sqlite3_close(db);
-}
-
-/** \brief The same against the CHECKs of the tables. */
-inline void vandalize(const std::filesystem::path& path, const std::string& statement) {
-  sql(path, "PRAGMA ignore_check_constraints = ON; PRAGMA foreign_keys = OFF; " + statement);
-}
 
 inline void expectEqual(const Segment& a, const Segment& b) {
   EXPECT_EQ(a.t, b.t);

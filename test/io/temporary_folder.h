@@ -2,8 +2,7 @@
 #pragma once
 
 #include <facetloc/io/error.h>
-
-#include <gtest/gtest.h>
+#include <facetloc/testing/matchers.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -38,6 +37,12 @@ private:
   std::filesystem::path path_;
 };
 
+/** \brief Tests that each have a folder. */
+class InAFolder : public testing::Test {
+protected:
+  TemporaryFolder folder_;
+};
+
 inline std::string bytesOf(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -49,15 +54,10 @@ inline std::filesystem::path putBytes(const std::filesystem::path& path, const s
   return path;
 }
 
-/** \brief The message of the IoError of a call; empty without one. Any other exception fails the test. */
+/** \brief The message of the IoError of a call; empty without one. */
 template <typename Call>
 std::string ioErrorOf(const Call& call) {
-  try {
-    call();
-  } catch (const IoError& e) {
-    return e.what();
-  }
-  return {};
+  return messageOf<IoError>(call);
 }
 
 }  // namespace facetloc::test

@@ -1,65 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bags as ROS's own library writes them.
 
-#include "example_sequence.h"
-#include "temporary_folder.h"
+#include "recorded_sequence.h"
 
 #include <facetloc/features/camera_presets.h>
-#include <facetloc/testing/example_bag.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <thread>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::bytesOf;
-using test::ExampleSequence;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
+Trajectory odometry() { return Trajectory(turningPath(5)); }
 
-Trajectory odometry() { return Trajectory(test::turningPath(5)); }
-
-class Bag : public testing::Test {
+class Bag : public RecordedSequence {
 protected:
   void SetUp() override {
-    if (!test::hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
-    example_.frames = 6;
-    sequence_.emplace(DepthSequence::open(example_.write(folder_ / "sequence")));
+    if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
+    writeSequence();
   }
   fs::path bag(const std::string& kind) const {
     const fs::path path = folder_ / (kind + ".bag");
-    EXPECT_TRUE(test::writeBag(*sequence_, path, kind, odometry())) << kind;
+    EXPECT_TRUE(writeBag(*sequence_, path, kind, odometry())) << kind;
     return path;
   }
-
-  TemporaryFolder folder_;
-  ExampleSequence example_;
-  std::optional<DepthSequence> sequence_;
 };
 
 TEST_F(Bag, HasTheImagesOfTheTopicCalledDepthAtTheTimesTheyWereTaken) {
   for (const char* kind : {"uint16", "float", "compressed", "compressed_depth", "realsense"}) {
     const DepthSequence read = DepthSequence::open(bag(kind));
-    ASSERT_EQ(read.frames().size(), 6u) << kind;
-    EXPECT_TRUE(read.stamped());
     EXPECT_THAT(read.remark(),
                 HasSubstr(std::string(kind) == "realsense" ? "Depth_0" : "/camera/depth/image_raw"));
-    for (int i = 0; i < 6; ++i) {
-      EXPECT_EQ(read.frames()[i].name, example_.name(i)) << kind;
-      const DepthImage image = read.load(i), expected = example_.image(i);
-      EXPECT_EQ(image.camera, expected.camera);
-      ASSERT_EQ(image.depth.size(), expected.depth.size());
-      for (std::size_t p = 0; p < image.depth.size(); ++p)
-        ASSERT_NEAR(image.depth[p], expected.depth[p], 1e-5f) << kind << ", pixel " << p;
-    }
+    expectImages(read, 1e-5f, kind);
   }
 }
 
@@ -79,28 +48,13 @@ TEST_F(Bag, GravityIsByItsImu) {
 }
 
 TEST_F(Bag, IsReadByManyThreads) {
-  const DepthSequence read = DepthSequence::open(bag("compressed"));
-  std::atomic<int> wrong = 0;
-  std::vector<std::thread> threads;
-  for (int t = 0; t < 4; ++t)
-    threads.emplace_back([&, t] {
-      for (int n = 0; n < 30; ++n) {
-        const int i = (7 * n + t) % 6;
-        wrong += read.load(i).depth[1] != example_.image(i).depth[1];
-      }
-    });
-  for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(wrong, 0);
+  expectToBeReadByManyThreads(DepthSequence::open(bag("compressed")), 1e-5f);
 }
 
 TEST_F(Bag, OdometryIsOfMessagesOrTf) {
-  const Trajectory written = odometry();
   for (const char* kind : {"uint16", "compressed"}) {
     const fs::path path = bag(kind);
-    const Trajectory read = DepthSequence::open(path).readPoses(path);
-    ASSERT_EQ(read.poses().size(), 5u) << kind;
-    for (const StampedPose& pose : written.poses())
-      EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, 1e-6)) << kind;
+    expectPoses(DepthSequence::open(path).readPoses(path), odometry().poses(), 1e-6, kind);
   }
 }
 
@@ -125,7 +79,7 @@ TEST_F(Bag, TheLensOfItsCameraIsTakenOut) {
   EXPECT_EQ(bent.load(0).depth, lens(DepthSequence::open(bag("uint16")).load(0)).depth);
   const DepthSequence fisheye = DepthSequence::open(bag("fisheye"));
   EXPECT_TRUE(fisheye.camera()->isPinhole());
-  EXPECT_THAT(fisheye.remark(), AllOf(HasSubstr("equidistant"), HasSubstr("left in")));
+  EXPECT_THAT(fisheye.remark(), HasAll("equidistant", "left in"));
 }
 
 TEST_F(Bag, ATopicCanBeNamed) {
@@ -135,12 +89,12 @@ TEST_F(Bag, ATopicCanBeNamed) {
   EXPECT_EQ(DepthSequence::open(path, hints).frames().size(), 6u);
   hints.topic = "/camera/color/image_raw";
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(path, hints); }),
-              AllOf(HasSubstr("/camera/color/image_raw"), HasSubstr("/camera/depth/image_raw (6)")));
+              HasAll("/camera/color/image_raw", "/camera/depth/image_raw (6)"));
 }
 
 TEST_F(Bag, UnreadableFilesAreAnErrorWithTheCause) {
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(bag("colour")); }),
-              AllOf(HasSubstr("no depth images"), HasSubstr("/camera/color/image_raw")));
+              HasAll("no depth images", "/camera/color/image_raw"));
   for (const char* kind : {"big_endian", "short"}) {
     const DepthSequence read = DepthSequence::open(bag(kind));
     EXPECT_THAT(ioErrorOf([&] { read.load(0); }), HasSubstr("image 0")) << kind;
@@ -156,9 +110,9 @@ TEST_F(Bag, UnreadableFilesAreAnErrorWithTheCause) {
 
 TEST_F(Bag, WithoutOdometryIsAnError) {
   const fs::path path = folder_ / "still.bag";
-  ASSERT_TRUE(test::writeBag(*sequence_, path, "uint16"));
+  ASSERT_TRUE(writeBag(*sequence_, path, "uint16"));
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(path).readPoses(path); }), HasSubstr("no odometry"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -5,19 +5,10 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/testing/decimal_comma.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
 
 constexpr const char* kMinimal = "width=640 height=480 fx=525 fy=526.5 cx=319.5 cy=239.5 depth_scale=5000\n";
 
@@ -86,8 +77,7 @@ TEST(CameraFile, RoundTripsWithTheNameOfTheCamera) {
 TEST(CameraFile, RefusesUnknownCamerasAndImpossibleNoise) {
   const std::string good = kMinimal;
   EXPECT_THAT(errorOf(good + "camera=nikon"),
-              AllOf(HasSubstr("line 2"), HasSubstr("'nikon'"), HasSubstr("azure_kinect"),
-                    HasSubstr("inverse_depth_std")));
+              HasAll("line 2", "'nikon'", "azure_kinect", "inverse_depth_std"));
   EXPECT_THAT(errorOf(good + "camera="), HasSubstr("line 2"));
   EXPECT_THAT(errorOf(good + "camera=kinect camera=kinect"), HasSubstr("twice"));
   for (const char* pair :
@@ -95,8 +85,7 @@ TEST(CameraFile, RefusesUnknownCamerasAndImpossibleNoise) {
         "depth_std_slope=0.6", "depth_std_slope=-1", "inverse_depth_std=0", "inverse_depth_std=2",
         "distortion_offset=-1", "distortion_slope=7"}) {
     const std::string key = std::string(pair).substr(0, std::string(pair).find('='));
-    EXPECT_THAT(errorOf(good + pair),
-                AllOf(HasSubstr("line 2"), HasSubstr(key), HasSubstr("impossible"), HasSubstr("left out")));
+    EXPECT_THAT(errorOf(good + pair), HasAll("line 2", key, "impossible", "left out"));
   }
 }
 
@@ -118,17 +107,16 @@ TEST(CameraFile, RoundTripsExactly) {
 }
 
 TEST(CameraFile, DoesNotDependOnTheLocale) {
-  const test::DecimalComma comma;
+  const DecimalComma comma;
   EXPECT_EQ(read(kMinimal).camera.intrinsics.fy, 526.5);
   if (!comma.isSetInC()) GTEST_SKIP() << "no German locale: numbers of C have not been tested";
 }
 
 TEST(CameraFile, NamesTheLineOfAFault) {
   const std::string good = kMinimal;
-  EXPECT_THAT(errorOf(good + "fxx=3"),
-              AllOf(HasSubstr("camera.ini"), HasSubstr("line 2"), HasSubstr("'fxx'")));
-  EXPECT_THAT(errorOf(good + "\nmount_height=high"), AllOf(HasSubstr("line 3"), HasSubstr("'high'")));
-  EXPECT_THAT(errorOf(good + "mount_height"), AllOf(HasSubstr("line 2"), HasSubstr("key = value")));
+  EXPECT_THAT(errorOf(good + "fxx=3"), HasAll("camera.ini", "line 2", "'fxx'"));
+  EXPECT_THAT(errorOf(good + "\nmount_height=high"), HasAll("line 3", "'high'"));
+  EXPECT_THAT(errorOf(good + "mount_height"), HasAll("line 2", "key = value"));
   EXPECT_THAT(errorOf(good + "mount_height="), HasSubstr("line 2"));
   EXPECT_THAT(errorOf(good + "= 3 ="), HasSubstr("line 2"));
   EXPECT_THAT(errorOf(good + "fx=500"), HasSubstr("twice"));
@@ -144,7 +132,7 @@ TEST(CameraFile, AMountingMayBeTurnedAndMoved) {
   const CameraMounting again = *readCameraFile(folder / "camera.ini").camera.mounting;
   EXPECT_EQ(again.T_b_c().matrix(), file.camera.mounting->T_b_c().matrix());
   EXPECT_THAT(errorOf(kMinimal + std::string("mount_pan_deg=90")),
-              AllOf(HasSubstr("mount_pan_deg"), HasSubstr("not mount_height")));
+              HasAll("mount_pan_deg", "not mount_height"));
   EXPECT_THAT(errorOf(kMinimal + std::string("mount_roll_deg=200")), HasSubstr("impossible"));
 }
 
@@ -177,4 +165,4 @@ TEST(CameraFile, MissingFileAndFolderAreErrors) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -4,8 +4,6 @@
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/testing/full_disk.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
@@ -14,13 +12,8 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ioErrorOf;
-using test::TemporaryFolder;
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 DepthImage tilted() {
   DepthImage image{{5, 4, 6, 6, 2, 1.5}, {}};
@@ -29,15 +22,16 @@ DepthImage tilted() {
   return image;
 }
 
-TEST(CloudFile, HasTheMovedPointsOfTheImage) {
-  const TemporaryFolder folder;
+using CloudFile = InAFolder;
+
+TEST_F(CloudFile, HasTheMovedPointsOfTheImage) {
   const DepthImage image = tilted();
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()));
   T.translation() << 1, 2, 3;
-  writeCloud(folder / "a.pcd", image, T);
+  writeCloud(folder_ / "a.pcd", image, T);
   pcl::PointCloud<pcl::PointXYZ> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile(folder / "a.pcd", cloud), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile(folder_ / "a.pcd", cloud), 0);
   ASSERT_EQ(cloud.width, 5u);
   ASSERT_EQ(cloud.height, 4u);
   for (int v = 0; v < 4; ++v)
@@ -53,33 +47,31 @@ TEST(CloudFile, HasTheMovedPointsOfTheImage) {
     }
 }
 
-TEST(CloudFile, KeepsTheColoursOfAnotherOne) {
-  const TemporaryFolder folder;
+TEST_F(CloudFile, KeepsTheColoursOfAnotherOne) {
   const DepthImage image = tilted();
   std::vector<PointColour> colours(image.depth.size());
   for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = {static_cast<std::uint8_t>(i), 100, 7};
-  writeCloud(folder / "a.pcd", image, Eigen::Isometry3d::Identity(), colours);
-  const std::vector<PointColour> found = readColours(folder / "a.pcd", image);
+  writeCloud(folder_ / "a.pcd", image, Eigen::Isometry3d::Identity(), colours);
+  const std::vector<PointColour> found = readColours(folder_ / "a.pcd", image);
   ASSERT_EQ(found.size(), colours.size());
   EXPECT_EQ(found[9].red, 9);
   EXPECT_EQ(found[9].green, 100);
   EXPECT_EQ(found[9].blue, 7);
-  writeCloud(folder / "moved.pcd", image, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 1)), colours);
-  EXPECT_TRUE(readColours(folder / "moved.pcd", image).empty());  // other points than the image's
-  writeCloud(folder / "grey.pcd", image);
-  EXPECT_TRUE(readColours(folder / "grey.pcd", image).empty());
+  writeCloud(folder_ / "moved.pcd", image, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 1)), colours);
+  EXPECT_TRUE(readColours(folder_ / "moved.pcd", image).empty());  // other points than the image's
+  writeCloud(folder_ / "grey.pcd", image);
+  EXPECT_TRUE(readColours(folder_ / "grey.pcd", image).empty());
   colours.pop_back();
-  EXPECT_THROW(writeCloud(folder / "b.pcd", image, Eigen::Isometry3d::Identity(), colours),
+  EXPECT_THROW(writeCloud(folder_ / "b.pcd", image, Eigen::Isometry3d::Identity(), colours),
                std::invalid_argument);
 }
 
-TEST(CloudFile, HasLabelsAndTheirColours) {
-  const TemporaryFolder folder;
+TEST_F(CloudFile, HasLabelsAndTheirColours) {
   LabelImage labels{5, 4, std::vector<std::uint16_t>(20, 0)};
   labels.label[0] = 1, labels.label[1] = 2, labels.label[2] = 3;
-  writeLabelledCloud(folder / "a.pcd", tilted(), labels, {{255, 1, 2}, {3, 255, 4}});
+  writeLabelledCloud(folder_ / "a.pcd", tilted(), labels, {{255, 1, 2}, {3, 255, 4}});
   pcl::PointCloud<pcl::PointXYZRGBL> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile(folder / "a.pcd", cloud), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile(folder_ / "a.pcd", cloud), 0);
   ASSERT_EQ(cloud.size(), 20u);
   const auto colour = [&cloud](int i) { return std::vector<int>{cloud[i].r, cloud[i].g, cloud[i].b}; };
   EXPECT_THAT(colour(0), ElementsAre(255, 1, 2));
@@ -88,11 +80,10 @@ TEST(CloudFile, HasLabelsAndTheirColours) {
   EXPECT_EQ(cloud[2].label, 3u);
   EXPECT_EQ(cloud[4].label, 0u);
   labels.label.pop_back();
-  EXPECT_THROW(writeLabelledCloud(folder / "b.pcd", tilted(), labels, {}), std::invalid_argument);
+  EXPECT_THROW(writeLabelledCloud(folder_ / "b.pcd", tilted(), labels, {}), std::invalid_argument);
 }
 
-TEST(CloudFile, PolygonsAreAMesh) {
-  const TemporaryFolder folder;
+TEST_F(CloudFile, PolygonsAreAMesh) {
   Segment square;
   square.t << 1, 2, 3;
   square.R = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()).matrix();
@@ -102,10 +93,10 @@ TEST(CloudFile, PolygonsAreAMesh) {
   const ColouredPolygon polygon = polygonOf(square, {10, 20, 30});
   ColouredPolygon line = polygon;
   line.vertices.resize(2);
-  writePolygons(folder / "a.ply", {polygon, line, polygon});
+  writePolygons(folder_ / "a.ply", {polygon, line, polygon});
 
   pcl::PolygonMesh mesh;
-  ASSERT_EQ(pcl::io::loadPLYFile((folder / "a.ply").string(), mesh), 0);
+  ASSERT_EQ(pcl::io::loadPLYFile((folder_ / "a.ply").string(), mesh), 0);
   ASSERT_EQ(mesh.polygons.size(), 2u);
   EXPECT_THAT(mesh.polygons[1].vertices, ElementsAre(4, 5, 6, 7));
   pcl::PointCloud<pcl::PointXYZRGB> vertices;
@@ -118,24 +109,22 @@ TEST(CloudFile, PolygonsAreAMesh) {
     EXPECT_NEAR(in_plane.z(), 0, 1e-6);
     EXPECT_EQ(vertices[i].g, 20);
   }
-  writePolygons(folder / "none.ply", {});
+  writePolygons(folder_ / "none.ply", {});
   pcl::PolygonMesh nothing;
-  EXPECT_EQ(pcl::io::loadPLYFile((folder / "none.ply").string(), nothing), 0);
+  EXPECT_EQ(pcl::io::loadPLYFile((folder_ / "none.ply").string(), nothing), 0);
   EXPECT_TRUE(nothing.polygons.empty());
 }
 
-TEST(CloudFile, AFullDiskLeavesNothing) {
-  const TemporaryFolder folder;
-  const test::FullDisk full(100);
-  EXPECT_THAT(ioErrorOf([&] { writeCloud(folder / "a.pcd", tilted()); }), HasSubstr(test::FullDisk::kWords));
-  EXPECT_EQ(folder.count(), 0);
+TEST_F(CloudFile, AFullDiskLeavesNothing) {
+  const FullDisk full(100);
+  EXPECT_THAT(ioErrorOf([&] { writeCloud(folder_ / "a.pcd", tilted()); }), HasSubstr(FullDisk::kWords));
+  EXPECT_EQ(folder_.count(), 0);
 }
 
-TEST(CloudFile, FoldersThatAreNotThereAreErrors) {
-  const TemporaryFolder folder;
-  EXPECT_NE(ioErrorOf([&] { writeCloud(folder / "no/a.pcd", tilted()); }), "");
-  EXPECT_NE(ioErrorOf([&] { writePolygons(folder / "no/a.ply", {}); }), "");
+TEST_F(CloudFile, FoldersThatAreNotThereAreErrors) {
+  EXPECT_NE(ioErrorOf([&] { writeCloud(folder_ / "no/a.pcd", tilted()); }), "");
+  EXPECT_NE(ioErrorOf([&] { writePolygons(folder_ / "no/a.ply", {}); }), "");
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -6,20 +6,14 @@
 #include <facetloc/features/pose.h>
 #include <facetloc/io/depth_sequence.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>
 
 #include <clocale>
 #include <cmath>
 #include <functional>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ioErrorOf;
-using test::TemporaryFolder;
-using testing::HasSubstr;
 
 const Intrinsics kCamera{64, 48, 52, 52, 31.5, 23.5};
 
@@ -150,4 +144,4 @@ TEST_F(OtherAxes, AsciiNumbersAreReadInAnyLocale) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -4,18 +4,10 @@
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/png.h>
 
-#include <gmock/gmock.h>
-
 #include <functional>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ExampleSequence;
-using test::TemporaryFolder;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 /** A sequence whose values are changed after they were written. */
 ValueCheck check(const std::function<int(int)>& change, double depth_scale = 1000) {
@@ -49,8 +41,7 @@ TEST(DepthValues, NameSwappedBytes) {
 TEST(DepthValues, NameRotatedBits) {
   const ValueCheck found = check([](int v) { return (v << 3) | (v >> 13); });
   ASSERT_FALSE(found.faults.empty());
-  EXPECT_THAT(found.faults.front(),
-              testing::AllOf(HasSubstr("multiples of 8"), HasSubstr("8000"), HasSubstr("by 3")));
+  EXPECT_THAT(found.faults.front(), HasAll("multiples of 8", "8000", "by 3"));
 }
 
 TEST(DepthValues, NameEightBits) {
@@ -80,4 +71,4 @@ TEST(Optics, OfAnotherSizeOrUnitAreNamed) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

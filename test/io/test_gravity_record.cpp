@@ -4,15 +4,8 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/gravity_record.h>
 
-#include <gmock/gmock.h>
-
-#include <fstream>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 class GravityFiles : public testing::Test {
 protected:
@@ -22,14 +15,9 @@ protected:
   }
   GravityRecord read(const std::string& content) const { return readGravity(put(content), kDegree); }
   std::string faultOf(const std::string& content) const {
-    try {
-      read(content);
-    } catch (const IoError& e) {
-      return e.what();
-    }
-    return {};
+    return ioErrorOf([&] { read(content); });
   }
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(GravityFiles, AreLinesOfAStampAndADirectionOfAnyLength) {
@@ -57,13 +45,11 @@ TEST_F(GravityFiles, MayNameTheirColumnsAmongOthers) {
 }
 
 TEST_F(GravityFiles, WithFaultsNameTheLine) {
-  EXPECT_THAT(faultOf("1 0 1 0\n2 0 1\n"),
-              AllOf(HasSubstr("gravity"), HasSubstr("line 2"), HasSubstr("3 columns")));
-  EXPECT_THAT(faultOf("1 0 1 0\n2 0 x 0\n"), AllOf(HasSubstr("line 2"), HasSubstr("'x'")));
+  EXPECT_THAT(faultOf("1 0 1 0\n2 0 1\n"), HasAll("gravity", "line 2", "3 columns"));
+  EXPECT_THAT(faultOf("1 0 1 0\n2 0 x 0\n"), HasAll("line 2", "'x'"));
   EXPECT_THAT(faultOf("1 0 nan 0\n"), HasSubstr("line 1"));
-  EXPECT_THAT(faultOf("1 0 0 0\n"), AllOf(HasSubstr("line 1"), HasSubstr("no direction")));
-  EXPECT_THAT(faultOf("stamp gx gy gz std_deg\n1 0 1 0 0\n"),
-              AllOf(HasSubstr("line 2"), HasSubstr("deviation")));
+  EXPECT_THAT(faultOf("1 0 0 0\n"), HasAll("line 1", "no direction"));
+  EXPECT_THAT(faultOf("stamp gx gy gz std_deg\n1 0 1 0 0\n"), HasAll("line 2", "deviation"));
   EXPECT_THAT(faultOf("nothing\n"), HasSubstr("stamp gx gy gz"));
   EXPECT_THAT(faultOf(""), HasSubstr("stamp gx gy gz"));
   EXPECT_THAT(faultOf("stamp gx gy gz\n"), HasSubstr("no line"));
@@ -101,4 +87,4 @@ TEST(GravityRecord, FollowsFromPosesInALevelWorld) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -78,4 +78,4 @@ TEST(Lzf, AnyBytesAreUnpackedOrRefused) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

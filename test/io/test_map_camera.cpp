@@ -6,15 +6,8 @@
 #include <facetloc/io/map_camera.h>
 #include <facetloc/io/map_database.h>
 
-#include <gmock/gmock.h>
-
-#include <fstream>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::TemporaryFolder;
-using testing::HasSubstr;
 
 Camera mountedCamera() {
   Camera camera;
@@ -25,16 +18,17 @@ Camera mountedCamera() {
   return camera;
 }
 
-TEST(MapCamera, IsThatOfTheMap) {
-  const TemporaryFolder folder;
-  MapDatabase::create(folder / "a.flmap").setCamera(mountedCamera());
-  EXPECT_TRUE(isMapFile(folder / "a.flmap"));
+using MapCamera = InAFolder;
+
+TEST_F(MapCamera, IsThatOfTheMap) {
+  MapDatabase::create(folder_ / "a.flmap").setCamera(mountedCamera());
+  EXPECT_TRUE(isMapFile(folder_ / "a.flmap"));
   CameraFile stored;
   stored.depth_scale = 5000;
   stored.lens.k1 = 0.1;
   stored.camera.intrinsics = {320, 240, 250, 250, 159, 119};
   stored.preset = "kinect";
-  const CameraFile file = cameraOfMap(folder / "a.flmap", stored);
+  const CameraFile file = cameraOfMap(folder_ / "a.flmap", stored);
   EXPECT_EQ(file.camera.intrinsics, mountedCamera().intrinsics);
   EXPECT_EQ(file.camera.noise.inverse_depth_std, 0.002);
   EXPECT_EQ(file.camera.max_depth, 6);
@@ -44,32 +38,26 @@ TEST(MapCamera, IsThatOfTheMap) {
   EXPECT_EQ(file.lens.k1, 0.1);
 }
 
-TEST(MapCamera, NeedsIntrinsicsFromSomewhere) {
-  const TemporaryFolder folder;
+TEST_F(MapCamera, NeedsIntrinsicsFromSomewhere) {
   Camera camera = mountedCamera();
   camera.intrinsics = {};
-  MapDatabase::create(folder / "a.flmap").setCamera(camera);
+  MapDatabase::create(folder_ / "a.flmap").setCamera(camera);
   CameraFile stored;
   stored.camera.intrinsics = {320, 240, 250, 250, 159, 119};
-  EXPECT_EQ(cameraOfMap(folder / "a.flmap", stored).camera.intrinsics, stored.camera.intrinsics);
-  try {
-    cameraOfMap(folder / "a.flmap");
-    ADD_FAILURE() << "no error";
-  } catch (const IoError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("a.flmap: does not say the intrinsics"));
-  }
+  EXPECT_EQ(cameraOfMap(folder_ / "a.flmap", stored).camera.intrinsics, stored.camera.intrinsics);
+  EXPECT_THAT(ioErrorOf([&] { cameraOfMap(folder_ / "a.flmap"); }),
+              HasSubstr("a.flmap: does not say the intrinsics"));
 }
 
-TEST(MapCamera, OfNoMapIsAnError) {
-  const TemporaryFolder folder;
-  std::ofstream(folder / "short.flmap") << "SQL";
-  std::ofstream(folder / "torn.flmap") << "SQLite format 3, and nothing more";
-  EXPECT_FALSE(isMapFile(folder / "short.flmap"));
-  EXPECT_FALSE(isMapFile(folder / "none.flmap"));
-  EXPECT_FALSE(isMapFile(folder / ""));
-  EXPECT_TRUE(isMapFile(folder / "torn.flmap"));
-  EXPECT_THROW(cameraOfMap(folder / "torn.flmap"), IoError);
+TEST_F(MapCamera, OfNoMapIsAnError) {
+  std::ofstream(folder_ / "short.flmap") << "SQL";
+  std::ofstream(folder_ / "torn.flmap") << "SQLite format 3, and nothing more";
+  EXPECT_FALSE(isMapFile(folder_ / "short.flmap"));
+  EXPECT_FALSE(isMapFile(folder_ / "none.flmap"));
+  EXPECT_FALSE(isMapFile(folder_ / ""));
+  EXPECT_TRUE(isMapFile(folder_ / "torn.flmap"));
+  EXPECT_THROW(cameraOfMap(folder_ / "torn.flmap"), IoError);
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,36 +2,18 @@
 // Writing a map file, and reading it again.
 #include "map_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ExampleMap;
-using test::expectEqual;
-using test::expectEqualModels;
-using test::ioErrorOf;
-using test::MapFile;
-using test::putBytes;
-using test::sql;
-using test::vandalize;
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
 
 TEST_F(MapFile, HoldsTheGravityOfItsImages) {
   Map map = ExampleMap().map(3);
   const Gravity gravity = gravityAlong({0.1, 0.9, 0.3}, 2 * kDegree);
-  test::changeView(map, 1, [&](View& view) { view.gravity = gravity; });
+  changeView(map, 1, [&](View& view) { view.gravity = gravity; });
   writeMap(path_, map);
   for (const Map& read : {readMap(path_), openMap(path_, 0)}) {
     EXPECT_FALSE(read.view(0)->gravity);
@@ -43,14 +25,14 @@ TEST_F(MapFile, HoldsTheGravityOfItsImages) {
   vandalize(path_, "UPDATE gravity SET std = 100");
   EXPECT_THAT(ioErrorOf([&] { readMap(path_); }), HasSubstr("gravity"));
 
-  test::changeView(map, 1, [](View& view) { view.gravity = Gravity{{0, 0, 0}, 1}; });
+  changeView(map, 1, [](View& view) { view.gravity = Gravity{{0, 0, 0}, 1}; });
   EXPECT_THAT(ioErrorOf([&] { writeMap(folder_ / "impossible", map); }), HasSubstr("gravity"));
 }
 
 TEST_F(MapFile, RoundTripsExactly) {
   Map map = ExampleMap().map(3);
   map.models[1].T_w_m.reset();
-  test::changeView(map, 2, [](View& view) { view.depth = {}, view.segments[0].hull.size = 0; });
+  changeView(map, 2, [](View& view) { view.depth = {}, view.segments[0].hull.size = 0; });
   map.models.push_back(ExampleMap(5).seen("nothing seen; 'quotes' and Umlaute \xC3\xA4", 0));
   ASSERT_GE(map.links.size(), 2u);
   writeMap(path_, map);
@@ -146,7 +128,7 @@ TEST_F(MapFile, TheAmbiguityRoundTripsUntilAModelIsAdded) {
 }
 
 TEST_F(MapFile, PosesAndLinksOfAMapThatMovesAreSetAnew) {
-  Map map = test::ExampleMap().map(3);
+  Map map = ExampleMap().map(3);
   map.ambiguity = MapAmbiguity{12.5, 3};
   writeMap(path_, map);
   std::vector<std::optional<Eigen::Isometry3d>> poses(3);
@@ -181,7 +163,7 @@ TEST_F(MapFile, TheIntrinsicsOfTheCameraRoundTrip) {
 
 TEST_F(MapFile, ViewsWithoutAPictureHaveTheNoiseOfTheCamera) {
   Map map = ExampleMap().map();
-  test::changeView(map, 1, [](View& view) { view.depth = {}; });
+  changeView(map, 1, [](View& view) { view.depth = {}; });
   writeMap(path_, map);
   const double of_camera = map.camera.noise.ofInverseDepth(DepthNoise::kUsualDepth);
   for (const Map& read : {readMap(path_), openMap(path_, 0)}) {
@@ -211,11 +193,11 @@ TEST_F(MapFile, ImpossibleNoiseIsAFault) {
     std::filesystem::remove(path_);
   }
   writeExample();
-  test::vandalize(path_, "UPDATE camera SET max_depth = 0");
+  vandalize(path_, "UPDATE camera SET max_depth = 0");
   EXPECT_THAT(readError(), HasSubstr("largest depth"));
   std::filesystem::remove(path_);
   Map map = ExampleMap().map();
-  test::changeView(map, 0, [](View& view) { view.depth.noise.inverse_depth_std = 0; });
+  changeView(map, 0, [](View& view) { view.depth.noise.inverse_depth_std = 0; });
   EXPECT_THAT(ioErrorOf([&] { writeMap(path_, map); }), HasSubstr("noise"));
 }
 
@@ -231,7 +213,7 @@ TEST_F(MapFile, ATornDistortionIsAFault) {
     writeMap(path_, map);
     vandalize(path_, "UPDATE camera " + damage);
     EXPECT_NE(readError(), "") << damage;
-    EXPECT_THAT(checkMap(path_), testing::Contains(HasSubstr("the camera"))) << damage;
+    EXPECT_THAT(checkMap(path_), Contains(HasSubstr("the camera"))) << damage;
   }
 }
 
@@ -313,8 +295,7 @@ TEST_F(MapFile, AFailedAddLeavesTheMapAsItWas) {
   View bad = example.view();
   bad.segments[2].Sigma_q(0, 0) = -1;
   EXPECT_THAT(ioErrorOf([&] { db.add(example.model("b"), bad); }),
-              AllOf(HasSubstr("room.flmap"), HasSubstr("segment 2 of model 1 ('b')"),
-                    HasSubstr("positive definite")));
+              HasAll("room.flmap", "segment 2 of model 1 ('b')", "positive definite"));
   EXPECT_NE(ioErrorOf([&] { db.add(example.link(0, 5)); }), "");
   EXPECT_NE(ioErrorOf([&] { db.add(example.link(0, 0)); }), "");
   EXPECT_THAT(db.modelNames(), ElementsAre("a"));
@@ -325,7 +306,7 @@ TEST_F(MapFile, AFailedAddLeavesTheMapAsItWas) {
 TEST_F(MapFile, NonsenseIsNotWritten) {
   const auto errorWith = [this](const std::function<void(LocalModel&, View&)>& spoil) {
     Map map = ExampleMap().map(1);
-    test::changeView(map, 0, [&](View& view) { spoil(map.models[0], view); });
+    changeView(map, 0, [&](View& view) { spoil(map.models[0], view); });
     return ioErrorOf([&] { writeMap(path_, map); });
   };
   EXPECT_THAT(errorWith([](LocalModel&, View& view) { view.segments[0].t.x() = NAN; }),
@@ -393,4 +374,4 @@ TEST_F(MapFile, ReservedMetaBelongsToTheFormat) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

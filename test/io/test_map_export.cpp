@@ -8,23 +8,12 @@
 #include <facetloc/testing/changed_views.h>
 
 #include <Eigen/LU>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>
 
 #include <sstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::bytesOf;
-using test::ExampleMap;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::HasSubstr;
-using testing::Not;
 
 std::vector<std::string> linesOf(const fs::path& path, const std::string& beginning) {
   std::istringstream in(bytesOf(path));
@@ -34,12 +23,13 @@ std::vector<std::string> linesOf(const fs::path& path, const std::string& beginn
   return lines;
 }
 
-TEST(MapExport, SegmentsBecomeClouds) {
-  const TemporaryFolder folder;
+using MapExport = InAFolder;
+
+TEST_F(MapExport, SegmentsBecomeClouds) {
   const Map map = ExampleMap().map(3);
-  exportMap(map, folder / "out/put");
+  exportMap(map, folder_ / "out/put");
   pcl::PointCloud<SegmentFrame> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile((folder / "out/put/models/frame_1.pcd").string(), cloud), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile((folder_ / "out/put/models/frame_1.pcd").string(), cloud), 0);
   ASSERT_EQ(cloud.size(), map.view(1)->segments.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     Segment segment;
@@ -50,16 +40,15 @@ TEST(MapExport, SegmentsBecomeClouds) {
   }
 }
 
-TEST(MapExport, PosesBecomeATrajectory) {
-  const TemporaryFolder folder;
+TEST_F(MapExport, PosesBecomeATrajectory) {
   Map map = ExampleMap().map(3);
   map.models[1].T_w_m.reset();
-  exportMap(map, folder.path());
-  EXPECT_EQ(readTumTrajectory(folder / "poses_tum.txt").poses().size(), 2u);
-  const auto vertices = linesOf(folder / "graph.g2o", "VERTEX_SE3:QUAT ");
+  exportMap(map, folder_.path());
+  EXPECT_EQ(readTumTrajectory(folder_ / "poses_tum.txt").poses().size(), 2u);
+  const auto vertices = linesOf(folder_ / "graph.g2o", "VERTEX_SE3:QUAT ");
   ASSERT_EQ(vertices.size(), 3u);
   EXPECT_EQ(vertices[1], "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1");
-  EXPECT_EQ(linesOf(folder / "graph.g2o", "#").size(), 1u);
+  EXPECT_EQ(linesOf(folder_ / "graph.g2o", "#").size(), 1u);
 }
 
 /** g2o's error of an edge: translation and quaternion vector of Z^-1 X. */
@@ -72,11 +61,10 @@ Vector6d g2oError(const Eigen::Isometry3d& Z, const Eigen::Isometry3d& X) {
   return e;
 }
 
-TEST(MapExport, TheInformationOfAnEdgeIsThatOfG2osError) {
-  const TemporaryFolder folder;
+TEST_F(MapExport, TheInformationOfAnEdgeIsThatOfG2osError) {
   const Map map = ExampleMap().map(2);
-  exportMap(map, folder.path());
-  const auto edges = linesOf(folder / "graph.g2o", "EDGE_SE3:QUAT ");
+  exportMap(map, folder_.path());
+  const auto edges = linesOf(folder_ / "graph.g2o", "EDGE_SE3:QUAT ");
   ASSERT_EQ(edges.size(), 1u);
   std::istringstream in(edges[0]);
   std::string tag;
@@ -105,39 +93,34 @@ TEST(MapExport, TheInformationOfAnEdgeIsThatOfG2osError) {
   }
 }
 
-TEST(MapExport, LinksThatAreKnownExactlyHaveFiniteInformation) {
-  const TemporaryFolder folder;
+TEST_F(MapExport, LinksThatAreKnownExactlyHaveFiniteInformation) {
   Map map = ExampleMap().map(2);
   map.links[0].T_from_to.P.setZero();
-  exportMap(map, folder.path());
-  EXPECT_THAT(bytesOf(folder / "graph.g2o"), Not(HasSubstr("inf")));
-  EXPECT_THAT(bytesOf(folder / "graph.g2o"), Not(HasSubstr("nan")));
+  exportMap(map, folder_.path());
+  EXPECT_THAT(bytesOf(folder_ / "graph.g2o"), HasAll(Not(HasSubstr("inf")), Not(HasSubstr("nan"))));
 }
 
-TEST(MapExport, NamesBecomeDistinctFileNames) {
-  const TemporaryFolder folder;
+TEST_F(MapExport, NamesBecomeDistinctFileNames) {
   ExampleMap example;
   Map map;
   for (const char* name : {"a/b", "a_b", "..", "empty"}) map.models.push_back(example.seen(name, 1));
-  test::changeView(map, 3, [](View& view) { view.segments.clear(); });
-  exportMap(map, folder.path());
+  changeView(map, 3, [](View& view) { view.segments.clear(); });
+  exportMap(map, folder_.path());
   for (const char* name : {"a_b.pcd", "a_b_.pcd", "_...pcd"})
-    EXPECT_TRUE(fs::exists(folder / "models" / name)) << name;
-  EXPECT_FALSE(fs::exists(folder / "models/empty.pcd"));
+    EXPECT_TRUE(fs::exists(folder_ / "models" / name)) << name;
+  EXPECT_FALSE(fs::exists(folder_ / "models/empty.pcd"));
 }
 
-TEST(MapExport, SameMapSameBytes) {
-  const TemporaryFolder folder;
-  for (const char* name : {"a", "b"}) exportMap(ExampleMap().map(2), folder / name);
+TEST_F(MapExport, SameMapSameBytes) {
+  for (const char* name : {"a", "b"}) exportMap(ExampleMap().map(2), folder_ / name);
   for (const char* file : {"graph.g2o", "poses_tum.txt", "models/frame_0.pcd"})
-    EXPECT_EQ(bytesOf(folder / "a" / file), bytesOf(folder / "b" / file)) << file;
+    EXPECT_EQ(bytesOf(folder_ / "a" / file), bytesOf(folder_ / "b" / file)) << file;
 }
 
-TEST(MapExport, AFileInTheWayIsAnError) {
-  const TemporaryFolder folder;
-  putBytes(folder / "out", "a file");
-  EXPECT_THAT(ioErrorOf([&] { exportMap(Map(), folder / "out"); }), HasSubstr("out"));
+TEST_F(MapExport, AFileInTheWayIsAnError) {
+  putBytes(folder_ / "out", "a file");
+  EXPECT_THAT(ioErrorOf([&] { exportMap(Map(), folder_ / "out"); }), HasSubstr("out"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,29 +2,15 @@
 // Map files that are damaged.
 #include "map_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sqlite3.h>
 
 #include <algorithm>
 #include <memory>
 #include <random>
-#include <string>
 #include <utility>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ExampleMap;
-using test::ioErrorOf;
-using test::MapFile;
-using test::putBytes;
-using test::vandalize;
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 TEST_F(MapFile, TheTablesThemselvesRefuseNonsense) {
   writeExample();
@@ -112,7 +98,7 @@ TEST_F(MapFile, ViewsInPlaceOfTablesAreRefused) {
   for (const auto& [statement, fault] : cases) {
     writeExample();
     vandalize(path_, statement);
-    const auto says = AllOf(HasSubstr("room.flmap"), HasSubstr(fault));
+    const auto says = HasAll("room.flmap", fault);
     EXPECT_THAT(readError(), says);
     EXPECT_THAT(ioErrorOf([this] { checkMap(path_); }), says);
     EXPECT_THAT(ioErrorOf([this] { openMap(path_); }), says);
@@ -143,13 +129,13 @@ TEST_F(MapFile, CheckListsEveryFault) {
   const auto faults = checkMap(path_);
   for (const char* fault : {"segment 0 of model 0", "segment 0 of model 1", "segment 0 of model 2", "link 0"})
     EXPECT_THAT(faults, Contains(HasSubstr(fault)));
-  EXPECT_THAT(readError(), AllOf(HasSubstr("segment 0 of model 0"), HasSubstr("more faults")));
+  EXPECT_THAT(readError(), HasAll("segment 0 of model 0", "more faults"));
 }
 
 TEST_F(MapFile,
        EmptyModelsAndSeveredGraphsAreSound) {  // images of nothing, merged maps, a build that was killed
   Map map = ExampleMap().map(4);
-  test::changeView(map, 3, [](View& view) { view.segments.clear(); });
+  changeView(map, 3, [](View& view) { view.segments.clear(); });
   map.links.erase(map.links.begin() + 1);
   writeMap(path_, map);
   EXPECT_EQ(readError(), "");
@@ -185,4 +171,4 @@ TEST_F(MapFile, FlippedBytesAreErrorsOrMaps) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,43 +2,26 @@
 // Map files of other formats, and files of others.
 #include "map_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <string>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ExampleMap;
-using test::expectEqualModels;
-using test::ioErrorOf;
-using test::MapFile;
-using test::putBytes;
-using test::sql;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 TEST_F(MapFile, OtherFilesAreRefused) {
   putBytes(path_, "");
   EXPECT_THAT(readError(), HasSubstr("not a map"));
   putBytes(path_, "a text that is no database at all, however long it may go on");
-  EXPECT_THAT(readError(), AllOf(HasSubstr("not a map"), HasSubstr("no SQLite")));
+  EXPECT_THAT(readError(), HasAll("not a map", "no SQLite"));
   EXPECT_NE(ioErrorOf([&] { checkMap(path_); }), "");
   EXPECT_NE(ioErrorOf([&] { MapDatabase::open(path_); }), "");
   std::filesystem::remove(path_);
   sql(path_, "CREATE TABLE model(id INTEGER)");
-  EXPECT_THAT(readError(), AllOf(HasSubstr("not a map"), HasSubstr("another application")));
+  EXPECT_THAT(readError(), HasAll("not a map", "another application"));
 }
 
 TEST_F(MapFile, ANewerMajorFormatIsRefused) {
   writeExample();
   sql(path_, "PRAGMA user_version = " + std::to_string(2 << 16));
   const std::string expected = "map format 2.0 is newer than this program understands (1.x)";
-  EXPECT_THAT(readError(), AllOf(HasSubstr("room.flmap"), HasSubstr(expected)));
+  EXPECT_THAT(readError(), HasAll("room.flmap", expected));
   EXPECT_THAT(ioErrorOf([&] { MapDatabase::open(path_); }), HasSubstr(expected));
   EXPECT_THAT(ioErrorOf([&] { checkMap(path_); }), HasSubstr(expected));
 }
@@ -48,7 +31,7 @@ TEST_F(MapFile, OfAnUnreleasedVersionIsRefused) {
     writeExample();
     sql(path_, std::string("PRAGMA user_version = ") + version);
     const std::string expected = "written by an unreleased version of facetloc: build the map again";
-    EXPECT_THAT(readError(), AllOf(HasSubstr("room.flmap"), HasSubstr(expected)));
+    EXPECT_THAT(readError(), HasAll("room.flmap", expected));
     EXPECT_THAT(ioErrorOf([&] { openMap(path_); }), HasSubstr(expected));
     EXPECT_THAT(ioErrorOf([&] { MapDatabase::open(path_); }), HasSubstr(expected));
     EXPECT_THAT(ioErrorOf([&] { checkMap(path_); }), HasSubstr(expected));
@@ -86,4 +69,4 @@ TEST_F(MapFile, AReadOnlyFileCanBeRead) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -6,24 +6,8 @@
 #include <facetloc/io/map_graph.h>
 #include <facetloc/testing/pose_matchers.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ExampleMap;
-using test::ioErrorOf;
-using test::PoseNear;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 class MapGraph : public testing::Test {
 protected:
@@ -69,8 +53,8 @@ TEST_F(MapGraph, ExtraColumnsOfAVertexAreIgnored) {
 
 TEST_F(MapGraph, FaultsNameTheirLine) {
   const std::string first = "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1\n";
-  EXPECT_THAT(faultOf(first), AllOf(HasSubstr("no vertex"), HasSubstr("frame 1")));
-  EXPECT_THAT(faultOf(first + first), AllOf(HasSubstr("line 2"), HasSubstr("already")));
+  EXPECT_THAT(faultOf(first), HasAll("no vertex", "frame 1"));
+  EXPECT_THAT(faultOf(first + first), HasAll("line 2", "already"));
   EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT 2 1 2 3 0 0 0 1\n"), HasSubstr("no local model 2"));
   EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT -1 1 2 3 0 0 0 1\n"), HasSubstr("no local model -1"));
   EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT x 1 2 3 0 0 0 1\n"), HasSubstr("'x'"));
@@ -87,8 +71,8 @@ TEST_F(MapGraph, PartsKeepTheirFrames) {
   placeByLinks(map);
   writeGraph(path_, map);
   EXPECT_THAT(bytesOf(path_),
-              AllOf(HasSubstr("next vertex follows from links\nVERTEX_SE3:QUAT 1 "),
-                    HasSubstr("in the frame of part 1\nVERTEX_SE3:QUAT 2 "), Not(HasSubstr("unknown"))));
+              HasAll("next vertex follows from links\nVERTEX_SE3:QUAT 1 ",
+                     "in the frame of part 1\nVERTEX_SE3:QUAT 2 ", Not(HasSubstr("unknown"))));
   const Map before = map;
   readGraphPoses(path_, map);
   EXPECT_TRUE(map.models[1].givenPose());
@@ -104,4 +88,4 @@ TEST_F(MapGraph, PartsKeepTheirFrames) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,25 +2,13 @@
 // The place index in a map file.
 #include "map_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <istream>
 #include <ostream>
 #include <random>
 #include <stdexcept>
-#include <string>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ExampleMap;
-using test::ioErrorOf;
-using test::MapFile;
-using test::sql;
-using testing::Contains;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 class PlaceIndexInAMapFile : public MapFile {
 protected:
@@ -80,4 +68,4 @@ TEST_F(PlaceIndexInAMapFile, ACorruptOneIsDescribedInWords) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

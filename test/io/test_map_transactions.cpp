@@ -2,31 +2,21 @@
 // Programs that are killed, disks that are full, and several who use a map at once.
 #include "map_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sqlite3.h>
 
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <filesystem>
 #include <random>
 #include <stdexcept>
-#include <string>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ExampleMap;
-using test::ioErrorOf;
-using test::MapFile;
-using testing::IsEmpty;
 
 TEST_F(MapFile, AFullDiskLeavesTheOldMap) {
   writeExample();
@@ -187,4 +177,4 @@ TEST_F(MapFile, ManyReadersAtOnce) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,25 +2,13 @@
 // Views that stay in the map file.
 #include "map_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
 #include <thread>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ExampleMap;
-using test::expectEqual;
-using test::expectEqualModels;
-using test::ioErrorOf;
-using test::MapFile;
-using test::vandalize;
-using testing::AllOf;
-using testing::HasSubstr;
 
 TEST_F(MapFile, ASmallMapIsOpenedAsAWhole) {
   writeExample(3);
@@ -31,8 +19,8 @@ TEST_F(MapFile, ASmallMapIsOpenedAsAWhole) {
 
 TEST_F(MapFile, AMapWhoseViewsStayInTheFileIsTheSameMap) {
   Map map = ExampleMap().map(4);
-  test::changeView(map, 2, [](View& view) { view.depth = {}; });
-  test::changeView(map, 3, [](View& view) { view.segments.clear(); });
+  changeView(map, 2, [](View& view) { view.depth = {}; });
+  changeView(map, 3, [](View& view) { view.segments.clear(); });
   writeMap(path_, map);
   const Map whole = readMap(path_), opened = openMap(path_, 2);
   EXPECT_EQ(opened.links.size(), whole.links.size());
@@ -82,7 +70,7 @@ TEST_F(MapFile, ViewsCanBeAskedForByManyThreads) {
       }
     });
   for (std::thread& thread : threads) thread.join();
-  EXPECT_THAT(different, testing::Each(0));
+  EXPECT_THAT(different, Each(0));
 }
 
 TEST_F(MapFile, AnInvalidViewIsReportedWhenItIsRequested) {
@@ -92,7 +80,7 @@ TEST_F(MapFile, AnInvalidViewIsReportedWhenItIsRequested) {
   const Map opened = openMap(path_, 0);
   EXPECT_EQ(opened.view(0)->segments.size(), 3u);
   EXPECT_THAT(ioErrorOf([&] { opened.view(1); }),
-              AllOf(HasSubstr("room.flmap"), HasSubstr("model 1: its depth picture is corrupt")));
+              HasAll("room.flmap", "model 1: its depth picture is corrupt"));
   EXPECT_THAT(ioErrorOf([&] { opened.view(2); }), HasSubstr("model 2: its segment numbers have a gap"));
   EXPECT_THAT(ioErrorOf([&] { opened.store()->view(3); }), HasSubstr("no such model"));
   EXPECT_EQ(opened.view(0)->segments.size(), 3u) << "views of others can still be had";
@@ -108,4 +96,4 @@ TEST_F(MapFile, AnOpenMapCanBeWrittenTo) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,31 +2,12 @@
 // Recordings of ROS 2, as Python writes them after the specifications.
 
 #include "changed_database.h"
-#include "example_sequence.h"
-#include "temporary_folder.h"
+#include "recorded_sequence.h"
 
-#include <facetloc/testing/example_bag.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <thread>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::bytesOf;
-using test::ExampleSequence;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-
-std::vector<StampedPose> path() { return test::turningPath(6); }
+std::vector<StampedPose> path() { return turningPath(6); }
 
 /** The camera on the robot of write_recording.py. */
 Eigen::Isometry3d opticalOnRobot() {
@@ -36,38 +17,18 @@ Eigen::Isometry3d opticalOnRobot() {
   return T;
 }
 
-class MessageRecordings : public testing::Test {
+class MessageRecordings : public RecordedSequence {
 protected:
   void SetUp() override {
-    if (!test::hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
-    example_.frames = 6;
-    sequence_.emplace(DepthSequence::open(example_.write(folder_ / "sequence")));
+    if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
+    writeSequence();
   }
   /** \param words the container first */
   fs::path recording(const std::string& words, const Trajectory& odometry = {}) const {
     const std::string ending = words.rfind("db3", 0) == 0 ? ".db3" : ".mcap";
     const bool is_folder = words.find("split") != std::string::npos;
-    const fs::path path = folder_ / ("walk" + std::to_string(++count_) + (is_folder ? "" : ending));
-    EXPECT_TRUE(test::writeRecording(*sequence_, path, words, odometry)) << words;
-    return path;
+    return recordAs("walk", is_folder ? "" : ending, words, odometry);
   }
-  void expectImages(const DepthSequence& read, float tolerance, const std::string& words) const {
-    ASSERT_EQ(read.frames().size(), 6u) << words;
-    EXPECT_TRUE(read.stamped());
-    for (int i = 0; i < 6; ++i) {
-      EXPECT_EQ(read.frames()[i].name, example_.name(i)) << words;
-      const DepthImage image = read.load(i), expected = example_.image(i);
-      EXPECT_EQ(image.camera, expected.camera);
-      ASSERT_EQ(image.depth.size(), expected.depth.size());
-      for (std::size_t p = 0; p < image.depth.size(); ++p)
-        ASSERT_NEAR(image.depth[p], expected.depth[p], tolerance) << words << ", pixel " << p;
-    }
-  }
-
-  TemporaryFolder folder_;
-  ExampleSequence example_;
-  std::optional<DepthSequence> sequence_;
-  mutable int count_ = 0;
 };
 
 TEST_F(MessageRecordings, HaveTheirImagesAtTheTimesTheyWereTakenHoweverTheyAreStored) {
@@ -75,8 +36,8 @@ TEST_F(MessageRecordings, HaveTheirImagesAtTheTimesTheyWereTakenHoweverTheyAreSt
                             "mcap zstd", "mcap lz4", "mcap unchunked", "mcap big", "mcap split lz4",
                             "mcap 32FC1 unchunked", "mcap png zstd", "mcap rvl lz4"}) {
     const DepthSequence read = DepthSequence::open(recording(words));
-    EXPECT_THAT(read.remark(), AllOf(HasSubstr("/camera/depth/image_raw"), Not(HasSubstr("finished")),
-                                     Not(HasSubstr("damaged"))))
+    EXPECT_THAT(read.remark(),
+                HasAll("/camera/depth/image_raw", Not(HasSubstr("finished")), Not(HasSubstr("damaged"))))
         << words;
     expectImages(read, 0, words);
   }
@@ -102,29 +63,14 @@ TEST_F(MessageRecordings, QuantizedDepthIsReadByItsParameters) {
 }
 
 TEST_F(MessageRecordings, AreReadByManyThreads) {
-  for (const char* words : {"db3", "mcap lz4"}) {
-    const DepthSequence read = DepthSequence::open(recording(words));
-    std::atomic<int> wrong = 0;
-    std::vector<std::thread> threads;
-    for (int t = 0; t < 4; ++t)
-      threads.emplace_back([&, t] {
-        for (int n = 0; n < 30; ++n) {
-          const int i = (7 * n + t) % 6;
-          wrong += read.load(i).depth != example_.image(i).depth;
-        }
-      });
-    for (std::thread& thread : threads) thread.join();
-    EXPECT_EQ(wrong, 0) << words;
-  }
+  for (const char* words : {"db3", "mcap lz4"})
+    expectToBeReadByManyThreads(DepthSequence::open(recording(words)), 0);
 }
 
 TEST_F(MessageRecordings, OdometryIsOfMessagesOrTf) {
   for (const char* words : {"db3", "mcap zstd", "mcap tf"}) {
     const fs::path file = recording(words, Trajectory(path()));
-    const Trajectory read = DepthSequence::open(file).readOdometry(file);
-    ASSERT_EQ(read.poses().size(), 6u) << words;
-    for (const StampedPose& pose : path())
-      EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, 1e-6)) << words;
+    expectPoses(DepthSequence::open(file).readOdometry(file), path(), 1e-6, words);
   }
   const fs::path still = recording("mcap");
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(still).readOdometry(still); }), HasSubstr("no odometry"));
@@ -141,9 +87,7 @@ TEST_F(MessageRecordings, CorruptMessagesOfOdometryAreLeftOut) {
     std::string remark;
     const Trajectory read = DepthSequence::open(file).readOdometry(file, &remark);
     for (const std::string& text : remarks) EXPECT_THAT(remark, HasSubstr(text));
-    ASSERT_EQ(read.poses().size(), 6u) << words;
-    for (const StampedPose& pose : path())
-      EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, 1e-6)) << words;
+    expectPoses(read, path(), 1e-6, words);
   }
 }
 
@@ -192,14 +136,14 @@ TEST_F(MessageRecordings, ATopicCanBeNamedAndOthersAreListed) {
   const fs::path file = recording("mcap two_topics");
   const DepthSequence usual = DepthSequence::open(file);
   EXPECT_EQ(usual.frames().size(), 6u);
-  EXPECT_THAT(usual.remark(), AllOf(HasSubstr("--topic"), HasSubstr("/other/depth/image (3)")));
+  EXPECT_THAT(usual.remark(), HasAll("--topic", "/other/depth/image (3)"));
   RecordingHints hints;
   hints.topic = "/other/depth/image";
   hints.camera = folder_ / "sequence" / "camera.ini";
   EXPECT_EQ(DepthSequence::open(file, hints).frames().size(), 3u);
   hints.topic = "/camera/color/image_raw";
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(file, hints); }),
-              AllOf(HasSubstr("/camera/color/image_raw"), HasSubstr("/camera/depth/image_raw (6)")));
+              HasAll("/camera/color/image_raw", "/camera/depth/image_raw (6)"));
 }
 
 TEST_F(MessageRecordings, TheirCameraIsNextToTheImagesOrOfTheirFrame) {
@@ -217,8 +161,7 @@ TEST_F(MessageRecordings, AFolderOfThemHasTheFilesOfItsMetadata) {
   const fs::path second = folder / (folder.filename().string() + "_1.db3");
   EXPECT_EQ(DepthSequence::open(folder).frames().back().path, second);
   fs::rename(second, folder / "aside");
-  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }),
-              AllOf(HasSubstr("_1.db3"), HasSubstr("ros2 bag reindex")));
+  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }), HasAll("_1.db3", "ros2 bag reindex"));
   fs::rename(folder / (folder.filename().string() + "_0.db3"), folder / "renamed.db3");
   EXPECT_EQ(DepthSequence::open(folder).frames().front().path, folder / "renamed.db3");
   putBytes(folder / "metadata.yaml",
@@ -302,7 +245,7 @@ TEST_F(MessageRecordings, ClaimsOfGigabytesAreNotBelieved) {
 TEST_F(MessageRecordings, CellsOfADatabaseMayBeAnything) {
   const auto changed = [this](const char* sql) {
     const fs::path file = recording("db3");
-    return test::errorWhenChanged(file, sql);
+    return errorWhenChanged(file, sql);
   };
   EXPECT_EQ(changed("SELECT 1"), "");
   EXPECT_THAT(changed("UPDATE messages SET data = 'text'"), HasSubstr("no sound recording"));
@@ -317,4 +260,4 @@ TEST_F(MessageRecordings, CellsOfADatabaseMayBeAnything) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

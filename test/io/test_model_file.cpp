@@ -3,8 +3,8 @@
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/model_file.h>
+#include <facetloc/testing/matchers.h>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
@@ -19,10 +19,8 @@
 #include <stdexcept>
 #include <string>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 class ModelFile : public testing::Test {
 protected:
@@ -211,29 +209,29 @@ TEST_F(ModelFile, ReadsPlyFilesOfEitherByteOrder) {
   const auto cutOff = [&](std::size_t n) {
     return refusal(write("cut.ply", (head + points + faces).substr(0, n)));
   };
-  EXPECT_THAT(cutOff(head.size() + points.size() + 25), testing::HasSubstr("cut off"));
+  EXPECT_THAT(cutOff(head.size() + points.size() + 25), HasSubstr("cut off"));
   std::string endless = faces;
   endless[0] = '\xff';  // corners of a face
-  EXPECT_THAT(refusal(write("endless.ply", head + points + endless)), testing::HasSubstr("cut off"));
+  EXPECT_THAT(refusal(write("endless.ply", head + points + endless)), HasSubstr("cut off"));
 }
 
 TEST_F(ModelFile, RefusesPlyFilesWithoutPositions) {
   EXPECT_THAT(
       refusal(write("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")),
-      testing::HasSubstr("no x, y and z"));
+      HasSubstr("no x, y and z"));
   EXPECT_THAT(refusal(write("b.ply", "ply\nformat ascii 1.0\nelement vertex 2000000000\nend_header\n")),
-              testing::HasSubstr("no x, y and z"));
-  EXPECT_THAT(refusal(write("c.ply", "ply\nformat text 1.0\nend_header\n")), testing::HasSubstr("format"));
+              HasSubstr("no x, y and z"));
+  EXPECT_THAT(refusal(write("c.ply", "ply\nformat text 1.0\nend_header\n")), HasSubstr("format"));
   EXPECT_THAT(refusal(write("d.ply", kPlyHead + "0 0 zero\n1 0 0\n0 1 1\n1 -1 1\n3 0 1 2\n3 0 3 1\n")),
-              testing::HasSubstr("'zero'"));
+              HasSubstr("'zero'"));
 }
 
 TEST_F(ModelFile, NamesWhatStandsInPlaceOfAModel) {
   for (const char* name : {"a.ply", "a.obj", "a.stl", "a.pcd"})
     EXPECT_THAT(
         refusal(write(name, "version https://git-lfs.github.com/spec/v1\noid sha256:07\nsize 1234567\n")),
-        testing::HasSubstr("git lfs pull"));
-  EXPECT_THAT(refusal(write("plan.pgm", "P5 1 1 255 a")), testing::HasSubstr(".yaml"));
+        HasSubstr("git lfs pull"));
+  EXPECT_THAT(refusal(write("plan.pgm", "P5 1 1 255 a")), HasSubstr(".yaml"));
   expectRoof(
       readModel(write("marked.obj", "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 -1 1\nf 1 2 3\nf 1 4 2\n")));
 }
@@ -248,7 +246,7 @@ TEST_F(ModelFile, RefusesFilesThatAreNoModel) {
   EXPECT_NE(std::string::npos, refusal(write("text.ply", "hello")).find("first line"));
   EXPECT_NE("", refusal(write("text.obj", "hello\n")));
   EXPECT_NE("", refusal(write("text.stl", "hello\n")));
-  EXPECT_THAT(refusal(write("a.vtp", "<hello/>\n")), testing::HasSubstr(".ply, .obj, .stl and .pcd"));
+  EXPECT_THAT(refusal(write("a.vtp", "<hello/>\n")), HasSubstr(".ply, .obj, .stl and .pcd"));
   EXPECT_NE("", refusal(write("text.pcd", "hello\n")));
   EXPECT_THROW(readModel(write("a.ply", kPlyHead + kPlyData), 0), std::invalid_argument);
 }
@@ -272,10 +270,9 @@ TEST_F(ModelFile, RefusesHeadersThatPromiseMoreThanThereIs) {
 
 TEST_F(ModelFile, RefusesMoreTrianglesThanBytes) {
   std::string stl(84 + 50, '\x95');  // as many as 2 509 608 341
-  EXPECT_THAT(refusal(write("many.stl", stl)), testing::HasSubstr("binary STL"));
-  EXPECT_THAT(refusal(write("torn.stl", "solid caf\xe9\nfacet")), testing::HasSubstr("binary STL"));
-  EXPECT_THAT(refusal(write("control.stl", "solid" + std::string(200, '\f'))),
-              testing::HasSubstr("binary STL"));
+  EXPECT_THAT(refusal(write("many.stl", stl)), HasSubstr("binary STL"));
+  EXPECT_THAT(refusal(write("torn.stl", "solid caf\xe9\nfacet")), HasSubstr("binary STL"));
+  EXPECT_THAT(refusal(write("control.stl", "solid" + std::string(200, '\f'))), HasSubstr("binary STL"));
 }
 
 TEST_F(ModelFile, NamesTheTriangleOfAnStlFileThatCannotBeRead) {
@@ -308,4 +305,4 @@ TEST_F(ModelFile, SurvivesFilesThatAreCutOff) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

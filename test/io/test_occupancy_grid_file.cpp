@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "temporary_folder.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/png.h>
 
-#include <gmock/gmock.h>
-
-#include <fstream>
 #include <random>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 class OccupancyGridFiles : public testing::Test {
 protected:
@@ -26,14 +19,9 @@ protected:
     return readOccupancyGrid(folder_ / "map.yaml");
   }
   std::string errorOf(const std::string& yaml) const {
-    try {
-      read(yaml);
-    } catch (const IoError& e) {
-      return e.what();
-    }
-    return "no error";
+    return ioErrorOf([&] { read(yaml); });
   }
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 };
 
 // Two rows, the upper one first in the image: black, white, grey; nearly white, dark, white.
@@ -123,8 +111,7 @@ TEST_F(OccupancyGridFiles, NameTheirFaults) {
   };
   for (const char* key : {"image", "resolution", "origin"})
     EXPECT_THAT(errorOf(without(key)), HasSubstr(key));
-  for (const char* key : {"negate", "occupied_thresh", "free_thresh"})
-    EXPECT_EQ(errorOf(without(key)), "no error");
+  for (const char* key : {"negate", "occupied_thresh", "free_thresh"}) EXPECT_EQ(errorOf(without(key)), "");
   for (const char* value : {"0", "-0.05", "nan", ".inf", "wide", "[1, 2]", "1e999"})
     EXPECT_THAT(errorOf(with("0.050000", value)), HasSubstr("resolution")) << value;
   for (const char* value : {"[0, 0]", "[nan, 0, 0]", "[0, inf, 0]", "[]", "0"})
@@ -163,4 +150,4 @@ TEST_F(OccupancyGridFiles, GoByOneName) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

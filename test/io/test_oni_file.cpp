@@ -10,25 +10,15 @@
 #include <facetloc/io/oni_file.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <thread>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using test::bytesOf;
-using test::ioErrorOf;
-using test::OniWriter;
-using test::putBytes;
-using testing::AllOf;
-using testing::HasSubstr;
 
 std::string raw(std::initializer_list<std::uint16_t> depth) {
   std::string bytes;
@@ -51,7 +41,7 @@ protected:
     return ioErrorOf([&] { OniFile::open(file(bytes)).read(0); });
   }
 
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 };
 
 /** As a recorder leaves it that is killed: cut anywhere, or with room behind it that was never filled. */
@@ -85,7 +75,7 @@ TEST_F(OniFiles, HaveDepthAndTimesAndTheCameraOfTheirFieldOfView) {
     EXPECT_EQ(oni.camera().cx, 1.5);
     EXPECT_EQ(oni.camera().cy, 0.5);
     const DepthImage image = oni.read(1);
-    EXPECT_THAT(image.depth, testing::ElementsAre(0.f, 1.f, 1.001f, 1.002f, 2.f, 2.001f, 2.002f, 65.535f));
+    EXPECT_THAT(image.depth, ElementsAre(0.f, 1.f, 1.001f, 1.002f, 2.f, 2.001f, 2.002f, 65.535f));
     EXPECT_THROW(oni.read(2), std::out_of_range);
   }
 }
@@ -105,11 +95,11 @@ TEST_F(OniFiles, OfDifferencesAreDecoded) {
   writer.node(1, 2, "16zP").mode(1, 3, 3).view(1, 1, 1);
   const std::string code = raw({1000}) + "\x57" + "\x6F" + "\x9D" + "\xE1" + "\xFF" + "\x12\x34" + "\x6D";
   const OniFile oni = OniFile::open(file(writer.frame(1, 0, code).end()));
-  EXPECT_THAT(oni.readRaw(0), testing::ElementsAre(1000, 1001, 1000, 1000, 1035, 1035, 1035, 0x1234, 0x1234));
+  EXPECT_THAT(oni.readRaw(0), ElementsAre(1000, 1001, 1000, 1000, 1035, 1035, 1035, 0x1234, 0x1234));
 }
 
 TEST_F(OniFiles, WithFaultsNameThem) {
-  EXPECT_THAT(errorOf("nothing"), AllOf(HasSubstr("a.oni"), HasSubstr("no .oni recording")));
+  EXPECT_THAT(errorOf("nothing"), HasAll("a.oni", "no .oni recording"));
   EXPECT_THAT(errorOf(std::string(1000, 'x')), HasSubstr("no .oni recording"));
   EXPECT_THAT(errorOf(""), HasSubstr("no .oni recording"));
   EXPECT_THAT(errorOf(start().bytes()), HasSubstr("is truncated, and has no depth frames"));
@@ -195,7 +185,7 @@ struct Recording {
 class Recordings : public testing::TestWithParam<Recording> {
 protected:
   void SetUp() override {
-    path_ = test::dataFolder("oni") / GetParam().name;
+    path_ = dataFolder("oni") / GetParam().name;
     if (!fs::exists(path_)) GTEST_SKIP() << "no data at " << path_ << "; see FACETLOC_DATA";
   }
   fs::path path_;
@@ -227,20 +217,20 @@ TEST_P(Recordings, HaveAllFramesTheSameEachTimeInAnyOrder) {
 
 /** OpenNI2's own player is the judge of the content of a recording. */
 TEST_P(Recordings, ArePlayedByOpenNI2WithTheSameDepth) {
-  const test::Watchdog watchdog;
+  const Watchdog watchdog;
   const OniFile oni = OniFile::open(path_);
   OpenNIGrabber grabber(path_.string());
   EXPECT_TRUE(grabber.isFile());
   EXPECT_NEAR(grabber.focalLength(), oni.camera().fx, 1e-3);
   EXPECT_EQ(grabber.getFramesPerSecond(), oni.rate());
   grabber.setPlayback(0.5, false);  // speed at which a busy machine loses few frames
-  const test::GrabbedFrames grabbed(grabber);
+  const GrabbedFrames grabbed(grabber);
   grabber.start();
-  ASSERT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }));
+  ASSERT_TRUE(waitUntil([&] { return grabber.isEndOfFile(); }));
   EXPECT_FALSE(grabber.isRunning());
   const auto frames = grabbed.frames();
   EXPECT_GE(frames.size(), GetParam().frames / 2);
-  for (const test::GrabbedFrame& frame : frames)
+  for (const GrabbedFrame& frame : frames)
     EXPECT_EQ(frame.depth, oni.readRaw(static_cast<std::size_t>(frame.index - 1))) << frame.index;
 }
 
@@ -253,4 +243,4 @@ INSTANTIATE_TEST_SUITE_P(OfDevices, Recordings,
                          });
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -7,27 +7,17 @@
 
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <cmath>
-#include <memory>
 #include <random>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using OnCloud = void(const Cloud::ConstPtr&);
-using test::ioErrorOf;
-using test::Watchdog;
-using testing::AllOf;
-using testing::AnyOf;
-using testing::HasSubstr;
 
 /** The resources of the process. */
 struct Holdings {
@@ -46,21 +36,20 @@ struct Holdings {
 
 class Grabber : public testing::Test {
 protected:
-  std::string source(const test::ExampleSequence& sequence = {}) {
+  std::string source(const ExampleSequence& sequence = {}) {
     return sequence.write(folder_ / "sequence").string();
   }
   std::string cause(const std::string& device,
                     OpenNIGrabber::Mode mode = OpenNIGrabber::OpenNI_Default_Mode) {
-    const Watchdog watchdog;
     return ioErrorOf([&] { OpenNIGrabber grabber(device, mode); });
   }
 
-  test::TemporaryFolder folder_;
+  const Watchdog watchdog_;
+  TemporaryFolder folder_;
 };
 
 /** The plain grabber of PCL crashes or hangs within 60 such rounds. */
 TEST_F(Grabber, IsOpenedStartedStoppedAndDestroyedHundredsOfTimes) {
-  const Watchdog watchdog;
   const std::string device = source();
   std::mt19937 random(1);
   std::uniform_int_distribution<int> while_running(0, 12);  // [ms]; an image comes every 10 ms
@@ -79,7 +68,7 @@ TEST_F(Grabber, IsOpenedStartedStoppedAndDestroyedHundredsOfTimes) {
     const int before_start = begun;
     grabber.start();
     if (slow) {
-      EXPECT_TRUE(test::waitUntil([&] { return begun > before_start; }));
+      EXPECT_TRUE(waitUntil([&] { return begun > before_start; }));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(while_running(random)));
     if (round % 3 == 0) grabber.stop();
@@ -92,9 +81,8 @@ TEST_F(Grabber, IsOpenedStartedStoppedAndDestroyedHundredsOfTimes) {
 }
 
 TEST_F(Grabber, ReopensRecordingsAsWell) {
-  const auto recording = test::dataFolder("oni") / "kinect_12_frames.oni";
+  const auto recording = dataFolder("oni") / "kinect_12_frames.oni";
   if (!fs::exists(recording)) GTEST_SKIP() << "no data at " << recording << "; see FACETLOC_DATA";
-  const Watchdog watchdog;
   std::atomic<int> clouds = 0;
   for (int round = 0; round < 30; ++round) {
     OpenNIGrabber grabber(recording.string());
@@ -103,7 +91,7 @@ TEST_F(Grabber, ReopensRecordingsAsWell) {
     const int before = clouds;
     grabber.start();
     if (round % 10 == 9) {
-      EXPECT_TRUE(test::waitUntil([&] { return clouds > before; }));
+      EXPECT_TRUE(waitUntil([&] { return clouds > before; }));
     } else {
       std::this_thread::sleep_for(std::chrono::milliseconds(7 * (round % 10)));
     }
@@ -113,21 +101,19 @@ TEST_F(Grabber, ReopensRecordingsAsWell) {
 
 /** The player decodes such a frame to whatever length comes out, or crashes. */
 TEST_F(Grabber, RefusesRecordingsWithCorruptFrames) {
-  const auto recording = test::dataFolder("oni") / "redkitchen_60_frames_depth_only.oni";
+  const auto recording = dataFolder("oni") / "redkitchen_60_frames_depth_only.oni";
   if (!fs::exists(recording)) GTEST_SKIP() << "no data at " << recording << "; see FACETLOC_DATA";
   constexpr std::size_t kDifferences = 111914;  // differences in the first frame
-  std::string bytes = test::bytesOf(recording);
+  std::string bytes = bytesOf(recording);
   bytes[kDifferences] = '\xFE';  // thirty more pixels of the same depth
-  const auto path = test::putBytes(folder_ / "corrupt.oni", bytes).string();
-  EXPECT_THAT(test::ioErrorOf([&] { OpenNIGrabber grabber(path); }),
-              AllOf(HasSubstr("corrupt.oni"), HasSubstr("frame 0 is corrupt")));
+  const auto path = putBytes(folder_ / "corrupt.oni", bytes).string();
+  EXPECT_THAT(ioErrorOf([&] { OpenNIGrabber grabber(path); }), HasAll("corrupt.oni", "frame 0 is corrupt"));
 }
 
 TEST_F(Grabber, StopsInAnyOrderAnyNumberOfTimes) {
-  const Watchdog watchdog;
   OpenNIGrabber grabber(source());
   grabber.setPlayback(1, true);
-  const test::GrabbedFrames frames(grabber);
+  const GrabbedFrames frames(grabber);
   grabber.stop();
   EXPECT_FALSE(grabber.isRunning());
   for (int i = 0; i < 5; ++i) {
@@ -147,7 +133,6 @@ TEST_F(Grabber, StopsInAnyOrderAnyNumberOfTimes) {
 }
 
 TEST_F(Grabber, StopWaitsForTheCallbackOfAnotherThread) {
-  const Watchdog watchdog;
   std::atomic<bool> inside = false;
   std::atomic<int> calls = 0;
   OpenNIGrabber grabber(source());
@@ -160,7 +145,7 @@ TEST_F(Grabber, StopWaitsForTheCallbackOfAnotherThread) {
   });
   for (int i = 0; i < 10; ++i) {
     grabber.start();
-    ASSERT_TRUE(test::waitUntil([&] { return inside.load(); }));
+    ASSERT_TRUE(waitUntil([&] { return inside.load(); }));
     std::thread other([&] { grabber.stop(); });
     grabber.stop();
     EXPECT_FALSE(inside);
@@ -174,10 +159,9 @@ TEST_F(Grabber, StopWaitsForTheCallbackOfAnotherThread) {
 /** OpenNI2 on its own reads the memory of threads that have called it and have ended; the C library gives it
  * back when some of them have. */
 TEST_F(Grabber, IsUsedByThreadsThatComeAndGo) {
-  const Watchdog watchdog;
   OpenNIGrabber grabber(source());
   grabber.setPlayback(1, true);
-  const test::GrabbedFrames frames(grabber);
+  const GrabbedFrames frames(grabber);
   for (int i = 0; i < 10; ++i) {
     std::vector<std::thread> threads;
     for (int k = 0; k < 12; ++k)
@@ -194,7 +178,6 @@ TEST_F(Grabber, IsUsedByThreadsThatComeAndGo) {
 }
 
 TEST_F(Grabber, IsStoppedByItsOwnCallback) {
-  const Watchdog watchdog;
   std::atomic<int> calls = 0;
   OpenNIGrabber grabber(source());
   grabber.setPlayback(1, true);
@@ -204,14 +187,13 @@ TEST_F(Grabber, IsStoppedByItsOwnCallback) {
   });
   for (int i = 1; i <= 5; ++i) {
     grabber.start();
-    EXPECT_TRUE(test::waitUntil([&] { return calls == i; }));
+    EXPECT_TRUE(waitUntil([&] { return calls == i; }));
     std::this_thread::sleep_for(30ms);
     EXPECT_EQ(calls, i);
   }
 }
 
 TEST_F(Grabber, SurvivesExceptionsOfCallbacks) {
-  const Watchdog watchdog;
   std::atomic<int> calls = 0;
   OpenNIGrabber grabber(source());
   grabber.setPlayback(1, true);
@@ -221,7 +203,7 @@ TEST_F(Grabber, SurvivesExceptionsOfCallbacks) {
   });
   testing::internal::CaptureStderr();  // PCL's console says it as well
   grabber.start();
-  EXPECT_TRUE(test::waitUntil([&] { return calls >= 3; }));
+  EXPECT_TRUE(waitUntil([&] { return calls >= 3; }));
   grabber.stop();
   testing::internal::GetCapturedStderr();
   EXPECT_THAT(grabber.lastError(), HasSubstr("a callback threw"));
@@ -229,8 +211,7 @@ TEST_F(Grabber, SurvivesExceptionsOfCallbacks) {
 }
 
 TEST_F(Grabber, DeliversCloudsWithTheCameraOfTheSequence) {
-  const Watchdog watchdog;
-  const test::ExampleSequence sequence;
+  const ExampleSequence sequence;
   std::mutex mutex;
   Cloud::ConstPtr first;
   OpenNIGrabber grabber(source(sequence));
@@ -243,7 +224,7 @@ TEST_F(Grabber, DeliversCloudsWithTheCameraOfTheSequence) {
   });
   grabber.start();
   grabber.trigger(1);
-  ASSERT_TRUE(test::waitUntil([&] {
+  ASSERT_TRUE(waitUntil([&] {
     const std::lock_guard lock(mutex);
     return first != nullptr;
   }));
@@ -265,8 +246,7 @@ TEST_F(Grabber, DeliversCloudsWithTheCameraOfTheSequence) {
 }
 
 TEST_F(Grabber, IsOutlivedByItsFrames) {
-  const Watchdog watchdog;
-  const test::ExampleSequence sequence;
+  const ExampleSequence sequence;
   std::mutex mutex;
   std::vector<pcl::io::DepthImage::Ptr> kept;
   {
@@ -277,7 +257,7 @@ TEST_F(Grabber, IsOutlivedByItsFrames) {
           kept.push_back(image);
         });
     grabber.start();
-    EXPECT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }));
+    EXPECT_TRUE(waitUntil([&] { return grabber.isEndOfFile(); }));
   }
   ASSERT_GE(kept.size(), 3u);
   std::thread([&] {
@@ -293,19 +273,19 @@ TEST_F(Grabber, IsOutlivedByItsFrames) {
 TEST_F(Grabber, SaysWhyADeviceCannotBeOpened) {
   EXPECT_THAT(cause("/nowhere/a.oni"), HasSubstr("/nowhere/a.oni: does not exist"));
   EXPECT_THAT(cause("a.scene"), HasSubstr("does not exist"));
-  const auto junk = test::putBytes(folder_ / "junk.oni", "no recording").string();
-  EXPECT_THAT(cause(junk), AllOf(HasSubstr(junk), HasSubstr("no .oni recording")));
-  const auto text = test::putBytes(folder_ / "notes.txt", "no recording").string();
-  EXPECT_THAT(cause(text), AllOf(HasSubstr(text), HasSubstr("no driver of OpenNI2 can open it")));
+  const auto junk = putBytes(folder_ / "junk.oni", "no recording").string();
+  EXPECT_THAT(cause(junk), HasAll(junk, "no .oni recording"));
+  const auto text = putBytes(folder_ / "notes.txt", "no recording").string();
+  EXPECT_THAT(cause(text), HasAll(text, "no driver of OpenNI2 can open it"));
   fs::create_directories(folder_ / "empty");
   EXPECT_THAT(cause((folder_ / "empty").string()), HasSubstr("has no depth images"));
-  test::ExampleSequence().write(folder_ / "blind");
+  ExampleSequence().write(folder_ / "blind");
   fs::remove(folder_ / "blind" / "camera.ini");
   EXPECT_THAT(cause((folder_ / "blind").string()), HasSubstr("camera.ini"));
   EXPECT_THAT(cause(source(), OpenNIGrabber::OpenNI_SXGA_15Hz), HasSubstr("no such depth mode"));
   EXPECT_THAT(cause((folder_ / std::string(250, 'x')).string() + "/a.oni"), HasSubstr("does not exist"));
   const auto deep = folder_ / std::string(200, 'x') / std::string(100, 'y');
-  EXPECT_THAT(cause(test::ExampleSequence().write(deep).string()), HasSubstr("longer than"));
+  EXPECT_THAT(cause(ExampleSequence().write(deep).string()), HasSubstr("longer than"));
   EXPECT_THAT(cause("#999"), HasSubstr("#999"));  // those opened before are known, sorted by path
 }
 
@@ -322,12 +302,11 @@ TEST_F(Grabber, SaysThatNoDeviceIsConnected) {
 }
 
 TEST_F(Grabber, TriggersOnlyOurCamera) {
-  const auto recording = test::dataFolder("oni") / "kinect_12_frames.oni";
+  const auto recording = dataFolder("oni") / "kinect_12_frames.oni";
   if (!fs::exists(recording)) GTEST_SKIP() << "no data at " << recording << "; see FACETLOC_DATA";
-  const Watchdog watchdog;
   OpenNIGrabber grabber(recording.string());
   EXPECT_THAT(ioErrorOf([&] { grabber.trigger(1); }), HasSubstr("no virtual camera"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

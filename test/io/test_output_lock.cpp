@@ -2,11 +2,7 @@
 #include "bytes/temporary_file.h"
 #include "temporary_folder.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/output_lock.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <csignal>
 #include <optional>
@@ -14,15 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
 
 /** Another process that has done some work and lives on until it is killed. */
 class OtherProcess {
@@ -67,7 +56,7 @@ TEST(OutputLock, KeepsOthersOutAndDiesWithItsProcess) {
     of_file = OutputLock::ofFile(folder / "a.flmap");
   });
   for (const std::string& error : {ioErrorOf(lockFolder), ioErrorOf(lockFile)})
-    EXPECT_THAT(error, AllOf(HasSubstr("is being written by process " + std::to_string(other.id()))));
+    EXPECT_THAT(error, HasSubstr("is being written by process " + std::to_string(other.id())));
   other.end();
   EXPECT_EQ(ioErrorOf(lockFolder), "");
   EXPECT_EQ(ioErrorOf(lockFile), "");
@@ -119,4 +108,4 @@ TEST(OutputLock, RemovesFilesOfKilledProgramsOnly) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -4,21 +4,11 @@
 #include <facetloc/io/png.h>
 #include <facetloc/testing/full_disk.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <random>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
 
 /** A PNG from the hexadecimal bytes of its chunks. */
 std::string png(const std::string& hex) {
@@ -56,44 +46,41 @@ std::string errorOf(const std::string& bytes) {
   return ioErrorOf([&] { readGreyPng(folder / "a.png"); });
 }
 
-TEST(Png, SixteenBitsRoundTrip) {
-  const TemporaryFolder folder;
+using Png = InAFolder;
+
+TEST_F(Png, SixteenBitsRoundTrip) {
   const auto image = noisyImage(37, 23);
-  writePng(folder / "a.png", image);
-  const auto read = readGreyPng(folder / "a.png");
+  writePng(folder_ / "a.png", image);
+  const auto read = readGreyPng(folder_ / "a.png");
   EXPECT_EQ(read.width, 37);
   EXPECT_EQ(read.height, 23);
   EXPECT_EQ(read.channels, 1);
   EXPECT_EQ(read.data, image.data);
-  EXPECT_EQ(folder.count(), 1);
+  EXPECT_EQ(folder_.count(), 1);
 }
 
-TEST(Png, EightBitsRoundTrip) {
-  const TemporaryFolder folder;
-  writePng(folder / "a.png", Raster<std::uint8_t>{3, 2, 1, {0, 1, 2, 127, 128, 255}});
-  EXPECT_EQ(readGreyPng(folder / "a.png").data, (std::vector<std::uint16_t>{0, 1, 2, 127, 128, 255}));
-  EXPECT_THAT(ioErrorOf([&] { readGreyPng(folder / "a.png", 16); }), HasSubstr("8 bits"));
+TEST_F(Png, EightBitsRoundTrip) {
+  writePng(folder_ / "a.png", Raster<std::uint8_t>{3, 2, 1, {0, 1, 2, 127, 128, 255}});
+  EXPECT_EQ(readGreyPng(folder_ / "a.png").data, (std::vector<std::uint16_t>{0, 1, 2, 127, 128, 255}));
+  EXPECT_THAT(ioErrorOf([&] { readGreyPng(folder_ / "a.png", 16); }), HasSubstr("8 bits"));
 }
 
-TEST(Png, SameImageSameBytes) {
-  const TemporaryFolder folder;
-  writePng(folder / "a.png", noisyImage(64, 48));
-  writePng(folder / "b.png", noisyImage(64, 48));
-  EXPECT_EQ(bytesOf(folder / "a.png"), bytesOf(folder / "b.png"));
+TEST_F(Png, SameImageSameBytes) {
+  writePng(folder_ / "a.png", noisyImage(64, 48));
+  writePng(folder_ / "b.png", noisyImage(64, 48));
+  EXPECT_EQ(bytesOf(folder_ / "a.png"), bytesOf(folder_ / "b.png"));
 }
 
-TEST(Png, RefusesColours) {
-  const TemporaryFolder folder;
-  writePng(folder / "rgb.png", Raster<std::uint8_t>{1, 2, 3, {1, 2, 3, 4, 5, 6}});
-  EXPECT_THAT(ioErrorOf([&] { readGreyPng(folder / "rgb.png"); }),
-              AllOf(HasSubstr("rgb.png"), HasSubstr("colour")));
+TEST_F(Png, RefusesColours) {
+  writePng(folder_ / "rgb.png", Raster<std::uint8_t>{1, 2, 3, {1, 2, 3, 4, 5, 6}});
+  EXPECT_THAT(ioErrorOf([&] { readGreyPng(folder_ / "rgb.png"); }), HasAll("rgb.png", "colour"));
   EXPECT_THAT(errorOf(kPalette), HasSubstr("palette"));
   EXPECT_THAT(errorOf(kGreyAlpha), HasSubstr("alpha"));
   EXPECT_THAT(errorOf(kOneBit), HasSubstr("1 bits"));
   EXPECT_THAT(errorOf(kMillionSquared), HasSubstr("1000000x1000000"));
 }
 
-TEST(Png, RefusesOtherFiles) {
+TEST_F(Png, RefusesOtherFiles) {
   EXPECT_THAT(errorOf(""), HasSubstr("empty"));
   EXPECT_THAT(errorOf("short"), HasSubstr("not a PNG"));
   EXPECT_THAT(errorOf("a text file that is longer than a signature"), HasSubstr("not a PNG"));
@@ -102,18 +89,16 @@ TEST(Png, RefusesOtherFiles) {
   EXPECT_THAT(ioErrorOf([&] { readGreyPng(folder.path()); }), HasSubstr("folder"));
 }
 
-TEST(Png, EveryTruncationIsAnError) {
-  const TemporaryFolder folder;
-  writePng(folder / "a.png", noisyImage(16, 8));
-  const std::string bytes = bytesOf(folder / "a.png");
+TEST_F(Png, EveryTruncationIsAnError) {
+  writePng(folder_ / "a.png", noisyImage(16, 8));
+  const std::string bytes = bytesOf(folder_ / "a.png");
   for (std::size_t size = 0; size < bytes.size(); ++size)
     EXPECT_NE(errorOf(bytes.substr(0, size)), "") << size;
 }
 
-TEST(Png, CorruptFilesAreErrorsOrImages) {
-  const TemporaryFolder folder;
-  writePng(folder / "a.png", noisyImage(16, 8));
-  const std::string bytes = bytesOf(folder / "a.png");
+TEST_F(Png, CorruptFilesAreErrorsOrImages) {
+  writePng(folder_ / "a.png", noisyImage(16, 8));
+  const std::string bytes = bytesOf(folder_ / "a.png");
   std::mt19937 engine(1);
   int refused = 0;
   for (int i = 0; i < 500; ++i) {
@@ -124,36 +109,33 @@ TEST(Png, CorruptFilesAreErrorsOrImages) {
   EXPECT_GT(refused, 490) << "the check sums cover nearly every byte";
 }
 
-TEST(Png, WritingIsChecked) {
-  const TemporaryFolder folder;
-  EXPECT_NE(ioErrorOf([&] { writePng(folder / "none/a.png", noisyImage(2, 2)); }), "");
-  EXPECT_THROW(writePng(folder / "a.png", Raster<std::uint16_t>{2, 2, 1, {1}}), std::invalid_argument);
-  EXPECT_THROW(writePng(folder / "a.png", Raster<std::uint16_t>{}), std::invalid_argument);
-  EXPECT_THROW(writePng(folder / "a.png", Raster<std::uint8_t>{1, 1, 2, {1, 2}}), std::invalid_argument);
-  EXPECT_EQ(folder.count(), 0);
+TEST_F(Png, WritingIsChecked) {
+  EXPECT_NE(ioErrorOf([&] { writePng(folder_ / "none/a.png", noisyImage(2, 2)); }), "");
+  EXPECT_THROW(writePng(folder_ / "a.png", Raster<std::uint16_t>{2, 2, 1, {1}}), std::invalid_argument);
+  EXPECT_THROW(writePng(folder_ / "a.png", Raster<std::uint16_t>{}), std::invalid_argument);
+  EXPECT_THROW(writePng(folder_ / "a.png", Raster<std::uint8_t>{1, 1, 2, {1, 2}}), std::invalid_argument);
+  EXPECT_EQ(folder_.count(), 0);
 }
 
-TEST(Png, AFullDiskIsAnError) {
-  const TemporaryFolder folder;
+TEST_F(Png, AFullDiskIsAnError) {
   {
-    const test::FullDisk full(1000);
-    EXPECT_THAT(ioErrorOf([&] { writePng(folder / "a.png", noisyImage(200, 200)); }),
-                HasSubstr(test::FullDisk::kWords));
-    EXPECT_THROW(writePng(folder / "a.png", noisyImage(200, 200)), WriteError);
+    const FullDisk full(1000);
+    EXPECT_THAT(ioErrorOf([&] { writePng(folder_ / "a.png", noisyImage(200, 200)); }),
+                HasSubstr(FullDisk::kWords));
+    EXPECT_THROW(writePng(folder_ / "a.png", noisyImage(200, 200)), WriteError);
   }
-  EXPECT_EQ(folder.count(), 0);
+  EXPECT_EQ(folder_.count(), 0);
 }
 
-TEST(Png, KnowsTheBitsOfItsChannels) {
-  const TemporaryFolder folder;
-  writePng(folder / "depth.png", Raster<std::uint16_t>{2, 1, 1, {1, 2}});
-  writePng(folder / "picture.png", Raster<std::uint8_t>{1, 1, 3, {1, 2, 3}});
-  putBytes(folder / "text.png", "no PNG at all");
-  EXPECT_EQ(pngSize(folder / "depth.png")->bits, 16);
-  EXPECT_EQ(pngSize(folder / "picture.png")->bits, 8);
-  EXPECT_FALSE(pngSize(folder / "text.png"));
-  EXPECT_FALSE(pngSize(folder / "nowhere.png"));
+TEST_F(Png, KnowsTheBitsOfItsChannels) {
+  writePng(folder_ / "depth.png", Raster<std::uint16_t>{2, 1, 1, {1, 2}});
+  writePng(folder_ / "picture.png", Raster<std::uint8_t>{1, 1, 3, {1, 2, 3}});
+  putBytes(folder_ / "text.png", "no PNG at all");
+  EXPECT_EQ(pngSize(folder_ / "depth.png")->bits, 16);
+  EXPECT_EQ(pngSize(folder_ / "picture.png")->bits, 8);
+  EXPECT_FALSE(pngSize(folder_ / "text.png"));
+  EXPECT_FALSE(pngSize(folder_ / "nowhere.png"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

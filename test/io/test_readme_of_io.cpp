@@ -6,15 +6,13 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/openni/openni_grabber.h>
 
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <utility>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -44,7 +42,7 @@ void watchCamera(Mailbox& newest, const std::function<void(const CloudPtr&)>& wo
 }
 
 TEST(ReadmeOfIo, TheGrabberDeliversClouds) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Intrinsics camera{64, 48, 58, 58, 31.5, 23.5};
   std::filesystem::create_directories(folder / "walk/depth");
   CameraFile file;
@@ -66,4 +64,4 @@ TEST(ReadmeOfIo, TheGrabberDeliversClouds) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

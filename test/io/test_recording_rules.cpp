@@ -7,21 +7,8 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/png.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::DoubleNear;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
 
 constexpr const char* kCamera = "width=8 height=6 fx=7 fy=7 cx=3.5 cy=2.5 depth_scale=1000\n";
 
@@ -80,7 +67,7 @@ TEST_F(Rules, PicturesOfDepthAreNoDepthImages) {
 TEST_F(Rules, OfSeveralFoldersOneHasToBeNamed) {
   put("camera.ini", kCamera);
   putDepth("lowres_depth/1.5.png"), putDepth("highres_depth/1.5.png");
-  EXPECT_THAT(errorOf(), AllOf(HasSubstr("lowres_depth"), HasSubstr("highres_depth"), HasSubstr("name one")));
+  EXPECT_THAT(errorOf(), HasAll("lowres_depth", "highres_depth", "name one"));
   EXPECT_EQ(open("lowres_depth").frames().size(), 1u);
 }
 
@@ -208,7 +195,7 @@ TEST_F(Rules, ListsAsPeopleHaveThem) {
   putDepth("a b.png", 3000);
   EXPECT_THAT(depths("a b.png\n"), ElementsAre(3));
   put("list.txt", "0.0 x/a.png 0.0 y/a.png\n");
-  EXPECT_THAT(errorOf("list.txt"), AllOf(HasSubstr("line 1"), HasSubstr("called depth")));
+  EXPECT_THAT(errorOf("list.txt"), HasAll("line 1", "called depth"));
 }
 
 TEST_F(Rules, ThePosesOfAListAreThoseOfItsImages) {
@@ -305,15 +292,15 @@ TEST_F(Rules, ACalibrationOfOtherImagesIsIgnored) {
 TEST_F(Rules, WithoutAMatchTheMessageListsTheContent) {
   for (int i = 0; i < 3; ++i) put("rgb/" + std::to_string(i) + ".jpg", "x");
   put("notes.md", "x");
-  EXPECT_THAT(errorOf(), AllOf(HasSubstr("no depth images"), HasSubstr("rgb/ (3 .jpg)"), HasSubstr("1 .md")));
+  EXPECT_THAT(errorOf(), HasAll("no depth images", "rgb/ (3 .jpg)", "1 .md"));
   put("home/home.db", "x");
   EXPECT_THAT(errorOf("home"), HasSubstr("named itself"));
   put("exr/0.exr", "x");
-  EXPECT_THAT(errorOf(), AllOf(HasSubstr("OpenEXR is not read"), HasSubstr("oiiotool")));
+  EXPECT_THAT(errorOf(), HasAll("OpenEXR is not read", "oiiotool"));
   put("walk.db", "x");
   EXPECT_THAT(errorOf("walk.db"), HasSubstr("rtabmap-export"));
-  EXPECT_THAT(errorOf("rgb/0.jpg"), AllOf(HasSubstr("no sequence"), Not(HasSubstr("; ;"))));
+  EXPECT_THAT(errorOf("rgb/0.jpg"), HasAll("no sequence", Not(HasSubstr("; ;"))));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

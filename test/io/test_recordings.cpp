@@ -7,22 +7,12 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/png.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>
 
 #include <functional>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 constexpr int kWidth = 640, kHeight = 480;
 constexpr double kPeriod = 1 / 30.0;  // period of recordings that number their images [s]
@@ -108,7 +98,7 @@ TEST_F(Recordings, SevenScenes) {
   expectPose(sequence, 2, poseOf(12));
   EXPECT_FALSE(sequence.groundTruth().at(sequence.frames()[1].stamp));
   EXPECT_EQ(sequence.camera()->camera.intrinsics, (Intrinsics{640, 480, 585, 585, 320, 240}));
-  EXPECT_THAT(sequence.remark(), AllOf(HasSubstr("no camera.ini"), HasSubstr("7-Scenes")));
+  EXPECT_THAT(sequence.remark(), HasAll("no camera.ini", "7-Scenes"));
   EXPECT_EQ(DepthSequence::readTruth(folder_.path()).poses().size(), 2u);
 }
 
@@ -202,9 +192,9 @@ TEST_F(Recordings, AListNextToImagesHasTheirTimes) {
   expectImages(open(), {2, 0}, {8, 9});
   expectImages(DepthSequence::open(folder_ / "associations.txt"), {0, 1}, {5, 7.25});
   put("depth.txt", "9 depth/a.png\ndepth/c.png\n");
-  EXPECT_THAT(ioErrorOf([&] { open(); }), AllOf(HasSubstr("depth.txt"), HasSubstr("line 2")));
+  EXPECT_THAT(ioErrorOf([&] { open(); }), HasAll("depth.txt", "line 2"));
   put("depth.txt", "9 a.png 9 b.png\n");
-  EXPECT_THAT(ioErrorOf([&] { open(); }), AllOf(HasSubstr("line 1"), HasSubstr("called depth")));
+  EXPECT_THAT(ioErrorOf([&] { open(); }), HasAll("line 1", "called depth"));
 }
 
 TEST_F(Recordings, PclsRecordersHaveTimesInTheNames) {
@@ -249,7 +239,7 @@ TEST_F(Recordings, NamesThatOnlyLookLikeTimesAreNone) {
 TEST_F(Recordings, ImagesOfNobodysCameraAreAnErrorThatSaysWhatToWrite) {
   putDepth("depth/1.5.png", 1);
   const std::string error = ioErrorOf([&] { open(); });
-  EXPECT_THAT(error, AllOf(HasSubstr("camera.ini"), HasSubstr("--camera NAME"), HasSubstr("realsense_d435")));
+  EXPECT_THAT(error, HasAll("camera.ini", "--camera NAME", "realsense_d435"));
   // The lines between are a camera.ini.
   std::string lines;
   for (const auto line : text::lines(error))
@@ -271,9 +261,9 @@ TEST_F(Recordings, ACameraThatIsNamedHasATypicalDevicesIntrinsics) {
   EXPECT_EQ(sequence.camera()->camera.max_depth, preset.max_depth);
   EXPECT_THAT(sequence.remark(), HasSubstr("typical"));
   hints.camera = "azure_kinect";  // its images are of another shape
-  EXPECT_THAT(ioErrorOf([&] { open(hints); }), AllOf(HasSubstr("640x480"), HasSubstr("640x576")));
+  EXPECT_THAT(ioErrorOf([&] { open(hints); }), HasAll("640x480", "640x576"));
   hints.camera = "webcam";
-  EXPECT_THAT(ioErrorOf([&] { open(hints); }), AllOf(HasSubstr("webcam"), HasSubstr("kinect, xtion")));
+  EXPECT_THAT(ioErrorOf([&] { open(hints); }), HasAll("webcam", "kinect, xtion"));
 }
 
 TEST_F(Recordings, SmallerImagesHaveATypicalDevicesFieldOfView) {
@@ -293,7 +283,7 @@ TEST_F(Recordings, SmallerImagesHaveATypicalDevicesFieldOfView) {
 TEST_F(Recordings, ACameraThatIsNamedHasItsModes) {
   Raster<std::uint16_t> raster{480, 848, 1, std::vector<std::uint16_t>(480 * 848, 1000)};
   writePng(folder_ / "1.png", raster);
-  EXPECT_THAT(ioErrorOf([&] { open(); }), AllOf(HasSubstr("camera=realsense_d435"), HasSubstr("fx=425")));
+  EXPECT_THAT(ioErrorOf([&] { open(); }), HasAll("camera=realsense_d435", "fx=425"));
   RecordingHints hints;
   hints.camera = "realsense_d435";
   const Intrinsics k = open(hints).camera()->camera.intrinsics;
@@ -352,4 +342,4 @@ TEST_F(Recordings, TruePosesAreReadWithoutImagesOrTheirCamera) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -6,21 +6,11 @@
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/full_disk.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
 
 constexpr const char* kHeader =
     "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
@@ -69,14 +59,15 @@ std::vector<FrameResult> twoFrames() {
   return {a, b};
 }
 
-TEST(Results, OnlyPosesInTheWorldAreATrajectory) {
-  const TemporaryFolder folder;
+using Results = InAFolder;
+
+TEST_F(Results, OnlyPosesInTheWorldAreATrajectory) {
   auto frames = twoFrames();
   frames[0].rows[0].part = "attic, left";
   frames[0].rows[0].not_in_map = 0.125;
-  writeResults(folder.path(), frames, "");
-  EXPECT_THAT(readTumTrajectory(folder / "poses_tum.txt").poses(), testing::IsEmpty());
-  const auto rows = readHypotheses(folder.path());
+  writeResults(folder_.path(), frames, "");
+  EXPECT_THAT(readTumTrajectory(folder_ / "poses_tum.txt").poses(), IsEmpty());
+  const auto rows = readHypotheses(folder_.path());
   EXPECT_EQ(rows[0].part, "attic, left");
   EXPECT_EQ(rows[0].not_in_map, 0.125);
   EXPECT_EQ(rows[1].not_in_map, std::nullopt);
@@ -84,33 +75,32 @@ TEST(Results, OnlyPosesInTheWorldAreATrajectory) {
   EXPECT_EQ(rows[1].part, "");
 }
 
-TEST(Results, EachPartOfTheMapHasATrajectoryOfItsOwn) {
-  const TemporaryFolder folder;
+TEST_F(Results, EachPartOfTheMapHasATrajectoryOfItsOwn) {
   auto frames = twoFrames();
   frames[0].rows[0].part = "../attic, left";
   frames[1] = frames[0];
   frames[1].stamp = 2;
   for (ResultRow& row : frames[1].rows) row.frame = "2", row.part = "1.25";
   frames[1].timing.frame = "2";
-  writeResults(folder.path(), frames, "");
+  writeResults(folder_.path(), frames, "");
   const auto stampsIn = [&](const char* name) {
     std::vector<double> stamps;
-    const Trajectory read = readTumTrajectory(folder / name);
+    const Trajectory read = readTumTrajectory(folder_ / name);
     for (const StampedPose& pose : read.poses()) stamps.push_back(pose.stamp);
     return stamps;
   };
-  EXPECT_THAT(stampsIn("poses_tum.part-..%2fattic%2c%20left.txt"), testing::ElementsAre(1.5));
-  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), testing::ElementsAre(2));
-  EXPECT_THAT(stampsIn("poses_tum.txt"), testing::IsEmpty());
+  EXPECT_THAT(stampsIn("poses_tum.part-..%2fattic%2c%20left.txt"), ElementsAre(1.5));
+  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), ElementsAre(2));
+  EXPECT_THAT(stampsIn("poses_tum.txt"), IsEmpty());
 
-  ResultsWriter goes_on(folder.path(), "", {{"2", 2}});
-  EXPECT_FALSE(std::filesystem::exists(folder / "poses_tum.part-..%2fattic%2c%20left.txt")) << "not kept";
-  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), testing::ElementsAre(2));
+  ResultsWriter goes_on(folder_.path(), "", {{"2", 2}});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "poses_tum.part-..%2fattic%2c%20left.txt")) << "not kept";
+  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), ElementsAre(2));
   frames[1].stamp = 3;
   for (ResultRow& row : frames[1].rows) row.frame = "3";
   frames[1].timing.frame = "3";
   goes_on.append(frames[1]);
-  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), testing::ElementsAre(2, 3));
+  EXPECT_THAT(stampsIn("poses_tum.part-1.25.txt"), ElementsAre(2, 3));
 }
 
 std::string errorOf(const std::string& content) {
@@ -119,12 +109,11 @@ std::string errorOf(const std::string& content) {
   return ioErrorOf([&] { readHypotheses(folder.path()); });
 }
 
-TEST(Results, RoundTrip) {
-  const TemporaryFolder folder;
+TEST_F(Results, RoundTrip) {
   const auto frames = twoFrames();
-  writeResults(folder / "a/b", frames, "min_support = 150\n");
+  writeResults(folder_ / "a/b", frames, "min_support = 150\n");
 
-  const auto rows = readHypotheses(folder / "a/b");
+  const auto rows = readHypotheses(folder_ / "a/b");
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_EQ(rows[0].frame, "1.5");
   EXPECT_EQ(rows[1].rank, 2);
@@ -144,25 +133,24 @@ TEST(Results, RoundTrip) {
   EXPECT_EQ(rows[1].state, AnswerState::sure);
   EXPECT_EQ(rows[2].state, AnswerState::unknown);
 
-  const auto covariances = readCovariances(folder / "a/b");
+  const auto covariances = readCovariances(folder_ / "a/b");
   ASSERT_EQ(covariances.size(), 1u);
   EXPECT_LT((covariances.at("1.5") - exampleCovariance()).norm(), 1e-8);
 
-  const auto timing = readTiming(folder / "a/b");
+  const auto timing = readTiming(folder_ / "a/b");
   ASSERT_EQ(timing.size(), 2u);
   EXPECT_EQ(timing[0].frame, "1.5");
   EXPECT_EQ(timing[0].segment_ms, 10.25);
   EXPECT_EQ(timing[0].localize_ms, 3.5);
   EXPECT_EQ(timing[0].models, 140);
 
-  const Trajectory poses = readTumTrajectory(folder / "a/b/poses_tum.txt");
+  const Trajectory poses = readTumTrajectory(folder_ / "a/b/poses_tum.txt");
   ASSERT_EQ(poses.poses().size(), 1u) << "only sure ones of rank 1 with a world pose";
   EXPECT_EQ(poses.poses()[0].stamp, 1.5);
-  EXPECT_EQ(bytesOf(folder / "a/b/params.ini"), "min_support = 150\n");
+  EXPECT_EQ(bytesOf(folder_ / "a/b/params.ini"), "min_support = 150\n");
 }
 
-TEST(Results, TheBytesAreThoseOfTheContract) {
-  const TemporaryFolder folder;
+TEST_F(Results, TheBytesAreThoseOfTheContract) {
   FrameResult frame;
   ResultRow row = hypothesis("f", 1);
   row.model = "m";
@@ -171,25 +159,24 @@ TEST(Results, TheBytesAreThoseOfTheContract) {
   FrameResult lost;
   lost.rows = {noHypothesis("g")};
   lost.rows[0].reason = "dark, \"very\"";
-  writeResults(folder.path(), {frame, lost}, "");
-  EXPECT_EQ(bytesOf(folder / "hypotheses.csv"),
+  writeResults(folder_.path(), {frame, lost}, "");
+  EXPECT_EQ(bytesOf(folder_ / "hypotheses.csv"),
             kHeader + std::string(
                           "f,1,m,0.333333333,-12.5,0.333333333,0,1e-09,0,0,0,1,,,,,,,,0.5,0.01,,doubtful,,\n"
                           "g,0,,,,,,,,,,,,,,,,,,,,\"dark, \"\"very\"\"\",unknown,,\n"));
 }
 
 /** Poses that are not sure are not handed to anybody who may drive by them. */
-TEST(Results, DoubtfulPosesAreNoTrajectory) {
-  const TemporaryFolder folder;
+TEST_F(Results, DoubtfulPosesAreNoTrajectory) {
   auto frames = twoFrames();
   for (ResultRow& row : frames[0].rows) row.state = AnswerState::doubtful;
-  writeResults(folder.path(), frames, "");
-  EXPECT_TRUE(readTumTrajectory(folder / "poses_tum.txt").poses().empty());
-  EXPECT_EQ(readHypotheses(folder.path())[0].state, AnswerState::doubtful);
-  EXPECT_EQ(readCovariances(folder.path()).size(), 1u);
+  writeResults(folder_.path(), frames, "");
+  EXPECT_TRUE(readTumTrajectory(folder_ / "poses_tum.txt").poses().empty());
+  EXPECT_EQ(readHypotheses(folder_.path())[0].state, AnswerState::doubtful);
+  EXPECT_EQ(readCovariances(folder_.path()).size(), 1u);
 }
 
-TEST(Results, OlderFoldersLackTheProbabilityOfNoPlace) {
+TEST_F(Results, OlderFoldersLackTheProbabilityOfNoPlace) {
   std::string header = kHeader;
   header.erase(header.rfind(",not_in_map"), std::string(",not_in_map").size());
   const TemporaryFolder folder;
@@ -198,12 +185,12 @@ TEST(Results, OlderFoldersLackTheProbabilityOfNoPlace) {
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].not_in_map, std::nullopt);
   EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,unknown,,1.5\n")),
-              AllOf(HasSubstr("line 2"), HasSubstr("not_in_map is not between 0 and 1")));
+              HasAll("line 2", "not_in_map is not between 0 and 1"));
 }
 
-TEST(Results, AWrongStateOrCovarianceIsNamed) {
+TEST_F(Results, AWrongStateOrCovarianceIsNamed) {
   EXPECT_THAT(errorOf(kHeader + std::string("f,0,,,,,,,,,,,,,,,,,,,,why,certain,,\n")),
-              AllOf(HasSubstr("line 2"), HasSubstr("state")));
+              HasAll("line 2", "state"));
   const TemporaryFolder folder;
   writeResults(folder.path(), twoFrames(), "");
   const std::string good = bytesOf(folder / "covariances.csv");
@@ -216,35 +203,32 @@ TEST(Results, AWrongStateOrCovarianceIsNamed) {
   }
 }
 
-TEST(Results, SameResultsSameBytes) {
-  const TemporaryFolder folder;
-  writeResults(folder / "a", twoFrames(), "x");
-  writeResults(folder / "b", twoFrames(), "x");
+TEST_F(Results, SameResultsSameBytes) {
+  writeResults(folder_ / "a", twoFrames(), "x");
+  writeResults(folder_ / "b", twoFrames(), "x");
   for (const char* name : {"hypotheses.csv", "poses_tum.txt", "covariances.csv", "timing.csv", "params.ini"})
-    EXPECT_EQ(bytesOf(folder / "a" / name), bytesOf(folder / "b" / name)) << name;
+    EXPECT_EQ(bytesOf(folder_ / "a" / name), bytesOf(folder_ / "b" / name)) << name;
 }
 
-TEST(Results, ColumnsAreFoundByName) {
-  const TemporaryFolder folder;
-  putBytes(folder / "timing.csv",
+TEST_F(Results, ColumnsAreFoundByName) {
+  putBytes(folder_ / "timing.csv",
            "models,extra,localize_ms,features_ms,segment_ms,frame\r\n7,,3,2,1,\"a,b\"\r\n");
-  const auto timing = readTiming(folder.path());
+  const auto timing = readTiming(folder_.path());
   ASSERT_EQ(timing.size(), 1u);
   EXPECT_EQ(timing[0].frame, "a,b");
   EXPECT_EQ(timing[0].segment_ms, 1);
   EXPECT_EQ(timing[0].models, 7);
 }
 
-TEST(Results, NamesTheLineOfAFault) {
+TEST_F(Results, NamesTheLineOfAFault) {
   const std::string header = kHeader;
   const std::string none = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,,\n";
   EXPECT_EQ(errorOf(header + none), "");
   EXPECT_EQ(errorOf(header), "");
   EXPECT_THAT(errorOf(""), HasSubstr("empty"));
-  EXPECT_THAT(errorOf("frame,rank\nf,0\n"), AllOf(HasSubstr("hypotheses.csv"), HasSubstr("'reason'")));
-  EXPECT_THAT(errorOf(header + none + "f,0,,,,,\n"), AllOf(HasSubstr("line 3"), HasSubstr("columns")));
-  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why,unknown,,\n"),
-              AllOf(HasSubstr("line 2"), HasSubstr("rank = 'x'")));
+  EXPECT_THAT(errorOf("frame,rank\nf,0\n"), HasAll("hypotheses.csv", "'reason'"));
+  EXPECT_THAT(errorOf(header + none + "f,0,,,,,\n"), HasAll("line 3", "columns"));
+  EXPECT_THAT(errorOf(header + "f,x,,,,,,,,,,,,,,,,,,,,why,unknown,,\n"), HasAll("line 2", "rank = 'x'"));
   EXPECT_THAT(errorOf(header + "f,-1,,,,,,,,,,,,,,,,,,,,why,unknown,,\n"), HasSubstr("negative"));
   EXPECT_THAT(errorOf(header + "f,1,m,,,,,,,,,,,,,,,,,,,why,unknown,,\n"), HasSubstr("probability"));
   EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,2,,,,,,,,1,1,,sure,,\n"), HasSubstr("rotation"));
@@ -254,14 +238,13 @@ TEST(Results, NamesTheLineOfAFault) {
               HasSubstr("between 0 and 1"));
   EXPECT_THAT(errorOf(header + "f,1,m,1,1,9e6,0,0,0,0,0,1,,,,,,,,1,1,,sure,,\n"), HasSubstr("1000 km away"));
   EXPECT_THAT(errorOf(header + "f,1,m,1,1,0,0,0,0,0,0,1,,,,,,,,1,-1,,sure,,\n"), HasSubstr("is negative"));
-  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why,unknown,,\n"),
-              AllOf(HasSubstr("line 2"), HasSubstr("quote")));
+  EXPECT_THAT(errorOf(header + "f,0,,,,,,,,,,,,,,,,,,,,\"why,unknown,,\n"), HasAll("line 2", "quote"));
   EXPECT_THAT(errorOf(header + "\"f\"x,0,,,,,,,,,,,,,,,,,,,,why,unknown,,\n"), HasSubstr("line 2"));
   EXPECT_NE(ioErrorOf([] { readTiming("no/such/folder"); }), "");
 }
 
 /** As a program leaves it that is killed while it writes. */
-TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
+TEST_F(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
   const std::string row = "f,0,,,,,,,,,,,,,,,,,,,,why,unknown,,\n", torn = "g,1,\"a model";
   const TemporaryFolder folder;
   std::string remarks;
@@ -271,7 +254,7 @@ TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
     EXPECT_NE(ioErrorOf([&] { readHypotheses(folder.path()); }), "");
     remarks.clear();
     EXPECT_EQ(readHypotheses(folder.path(), remark).size(), 1u);
-    EXPECT_THAT(remarks, AllOf(HasSubstr("hypotheses.csv"), HasSubstr("torn")));
+    EXPECT_THAT(remarks, HasAll("hypotheses.csv", "torn"));
   }
   remarks.clear();
   putBytes(folder / "hypotheses.csv", kHeader + torn + "\n" + row);
@@ -282,7 +265,7 @@ TEST(Results, ATornLastLineIsLeftOutForWhoHearsOfIt) {
   EXPECT_EQ(readHypotheses(folder.path()).size(), 2u);
 }
 
-TEST(Results, LineNumbersCountLinesInsideQuotes) {
+TEST_F(Results, LineNumbersCountLinesInsideQuotes) {
   const std::string two_lines = "f,0,,,,,,,,,,,,,,,,,,,,\"a\nb\",unknown,,\n\n";
   EXPECT_THAT(errorOf(kHeader + two_lines + "bad\n"), HasSubstr("line 5"));
 }
@@ -306,7 +289,7 @@ TEST(Starts, RoundTrip) {
 
   putBytes(folder.path() / "starts.csv",
            "start,frame,state,probability,w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw\na,b,perhaps,1,,,,,,,\n");
-  EXPECT_THAT(ioErrorOf([&] { readStarts(folder.path()); }), AllOf(HasSubstr("starts.csv"), HasSubstr("2")));
+  EXPECT_THAT(ioErrorOf([&] { readStarts(folder.path()); }), HasAll("starts.csv", "2"));
 }
 
 TEST(ResultsWriter, WritesTheSameFrameByFrame) {
@@ -385,7 +368,7 @@ TEST(ResultsWriter, BringsFramesIntoOrderAndDropsOthers) {
     EXPECT_EQ(bytesOf(folder / "wrong" / name), bytesOf(folder / "second" / name)) << name;
 }
 
-TEST(Results, ColumnsHaveWordsForDocuments) {
+TEST_F(Results, ColumnsHaveWordsForDocuments) {
   std::string header;
   for (const ResultColumn& column : resultColumns()) {
     EXPECT_STRNE(column.text, "") << column.name;
@@ -397,9 +380,9 @@ TEST(Results, ColumnsHaveWordsForDocuments) {
 TEST(GrowingFile, SaysThatTheDiskIsFull) {
   const TemporaryFolder folder;
   {
-    const test::FullDisk full(10);
+    const FullDisk full(10);
     EXPECT_THAT(ioErrorOf([&] { GrowingFile(folder / "a", "a long header\n"); }),
-                HasSubstr("a: " + std::string(test::FullDisk::kWords)));
+                HasSubstr("a: " + std::string(FullDisk::kWords)));
     EXPECT_EQ(folder.count(), 0);
     GrowingFile file(folder / "b", "header\n");
     EXPECT_THROW(file.append("a long line\n"), WriteError);
@@ -407,18 +390,17 @@ TEST(GrowingFile, SaysThatTheDiskIsFull) {
   EXPECT_EQ(bytesOf(folder / "b"), "header\na l") << "as much as the disk has room for";
 }
 
-TEST(Results, WritingIsChecked) {
-  const TemporaryFolder folder;
-  EXPECT_THROW(writeResults(folder / "a", {FrameResult()}, ""), std::invalid_argument);
+TEST_F(Results, WritingIsChecked) {
+  EXPECT_THROW(writeResults(folder_ / "a", {FrameResult()}, ""), std::invalid_argument);
   FrameResult frame;
   frame.rows = {hypothesis("f", 1)};
   frame.rows[0].score = NAN;
-  EXPECT_THROW(writeResults(folder / "a", {frame}, ""), std::invalid_argument);
-  EXPECT_EQ(folder.count(), 0);
-  putBytes(folder / "a", "a file");
-  EXPECT_THAT(ioErrorOf([&] { writeResults(folder / "a", twoFrames(), ""); }),
+  EXPECT_THROW(writeResults(folder_ / "a", {frame}, ""), std::invalid_argument);
+  EXPECT_EQ(folder_.count(), 0);
+  putBytes(folder_ / "a", "a file");
+  EXPECT_THAT(ioErrorOf([&] { writeResults(folder_ / "a", twoFrames(), ""); }),
               HasSubstr("cannot be created"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,37 +2,19 @@
 // Databases of RTAB-Map, as Python writes them.
 
 #include "changed_database.h"
-#include "example_sequence.h"
-#include "temporary_folder.h"
+#include "recorded_sequence.h"
 
-#include <facetloc/testing/example_bag.h>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sqlite3.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::ExampleSequence;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
-
-class RtabmapDatabases : public testing::Test {
+class RtabmapDatabases : public RecordedSequence {
 protected:
   void SetUp() override {
-    if (!test::hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
-    example_.frames = 6;
-    sequence_.emplace(DepthSequence::open(example_.write(folder_ / "sequence")));
+    if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
+    writeSequence();
   }
   fs::path database(const std::string& words) const {
-    const fs::path path = folder_ / ("home" + std::to_string(++count_) + ".db");
-    EXPECT_TRUE(test::writeRecording(*sequence_, path, "rtabmap " + words, Trajectory(poses()))) << words;
-    return path;
+    return recordAs("home", ".db", "rtabmap " + words, Trajectory(poses()));
   }
   /** Poses of the camera, for all images but the last. */
   std::vector<StampedPose> poses() const {
@@ -48,26 +30,14 @@ protected:
     return poses;
   }
   std::string errorWhenChanged(const char* sql) const { return test::errorWhenChanged(database(""), sql); }
-
-  TemporaryFolder folder_;
-  ExampleSequence example_;
-  std::optional<DepthSequence> sequence_;
-  mutable int count_ = 0;
 };
 
 TEST_F(RtabmapDatabases, HaveTheirImagesAndThePosesOfTheGraph) {
   for (const char* words : {"png", "32FC1", "rvl"}) {
     const DepthSequence read = DepthSequence::open(database(words));
-    ASSERT_EQ(read.frames().size(), 6u) << words;
     EXPECT_THAT(read.remark(), HasSubstr("5 of its 6 images have poses, of its optimised graph"));
-    ASSERT_EQ(read.groundTruth().poses().size(), 5u);
-    for (const StampedPose& pose : poses())
-      EXPECT_TRUE(read.groundTruth().at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, 1e-5)) << words;
-    for (int i = 0; i < 6; ++i) {
-      EXPECT_EQ(read.frames()[i].name, example_.name(i));
-      EXPECT_EQ(read.load(i).camera, example_.camera);
-      EXPECT_EQ(read.load(i).depth, example_.image(i).depth) << words;
-    }
+    expectPoses(read.groundTruth(), poses(), 1e-5, words);
+    expectImages(read, 0, words);
   }
 }
 
@@ -86,16 +56,9 @@ TEST_F(RtabmapDatabases, WithoutAGraphThePosesAreItsOdometry) {
 
 TEST_F(RtabmapDatabases, OfColourWithMorePixelsHaveTheCameraOfTheirDepth) {
   const fs::path file = database("");
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
   // Twice the size, in the header.
-  ASSERT_EQ(
-      sqlite3_exec(db,
-                   "UPDATE Data SET calibration = CAST(substr(calibration, 1, 16) || x'8000000060000000' || "
-                   "substr(calibration, 25) AS BLOB) WHERE calibration IS NOT NULL",
-                   nullptr, nullptr, nullptr),
-      SQLITE_OK);
-  sqlite3_close(db);
+  sql(file, "UPDATE Data SET calibration = CAST(substr(calibration, 1, 16) || x'8000000060000000' || "
+            "substr(calibration, 25) AS BLOB) WHERE calibration IS NOT NULL");
   const Intrinsics camera = DepthSequence::open(file).load(0).camera;
   EXPECT_EQ(camera.width, example_.camera.width);
   EXPECT_DOUBLE_EQ(camera.fx, example_.camera.fx / 2);
@@ -107,7 +70,7 @@ TEST_F(RtabmapDatabases, UnreadableFilesAreAnErrorWithTheCause) {
   EXPECT_THAT(errorWhenChanged("DROP TABLE Node"), HasSubstr("is no database of RTAB-Map"));
   EXPECT_THAT(errorWhenChanged("UPDATE Data SET depth = NULL"), HasSubstr("no depth images"));
   EXPECT_THAT(errorWhenChanged("UPDATE Data SET depth = x'ffd8ffe0' WHERE depth IS NOT NULL"),
-              AllOf(HasSubstr("node 1"), HasSubstr("PNG")));
+              HasAll("node 1", "PNG"));
   EXPECT_THAT(errorWhenChanged("UPDATE Data SET depth = 'text' WHERE depth IS NOT NULL"),
               HasSubstr("not a blob"));
   EXPECT_THAT(errorWhenChanged("UPDATE Data SET calibration = NULL"), HasSubstr("its calibration"));
@@ -132,4 +95,4 @@ TEST_F(RtabmapDatabases, UnreadableFilesAreAnErrorWithTheCause) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

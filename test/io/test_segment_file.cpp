@@ -7,36 +7,25 @@
 #include <facetloc/io/segment_file.h>
 #include <facetloc/testing/full_disk.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ioErrorOf;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 TEST(WritingSegments, AFullDiskIsReportedWithTheOutputFile) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "a.segments.pcd";
-  const auto segments = test::ExampleMap().view().segments;
+  const auto segments = ExampleMap().view().segments;
   for (const auto& written : {segments, std::vector<Segment>()}) {
-    const test::FullDisk full(100);
+    const FullDisk full(100);
     EXPECT_THAT(ioErrorOf([&] { writeSegments(path, written); }),
-                StartsWith(path.string() + ": " + test::FullDisk::kWords));
+                StartsWith(path.string() + ": " + FullDisk::kWords));
     EXPECT_EQ(folder.count(), 0);
   }
 }
@@ -74,7 +63,7 @@ protected:
   }
 
   TemporaryFolder folder_;
-  const std::vector<Segment> segments_ = test::ExampleMap().view().segments;
+  const std::vector<Segment> segments_ = ExampleMap().view().segments;
 };
 
 TEST_F(SegmentFile, ComesBackAsItWasWritten) {
@@ -91,7 +80,7 @@ TEST_F(SegmentFile, WithFaultsSaysThem) {
     pcl::PCLPointCloud2 points = pointsOf(toCloud(segments_));
     drop(field, points);
     put("points.pcd", points);
-    EXPECT_THAT(errorOf("points.pcd"), AllOf(HasSubstr("no field " + field), HasSubstr("facetloc_segment")));
+    EXPECT_THAT(errorOf("points.pcd"), HasAll("no field " + field, "facetloc_segment"));
   }
 
   pcl::PCLPointCloud2 points = pointsOf(toCloud(segments_));
@@ -148,4 +137,4 @@ TEST_F(SegmentFile, IsASequenceForThoseWhoAskForIt) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -4,21 +4,11 @@
 #include <facetloc/features/pose.h>
 #include <facetloc/io/trajectory.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::bytesOf;
-using test::ioErrorOf;
-using test::putBytes;
-using test::TemporaryFolder;
-using testing::AllOf;
-using testing::HasSubstr;
 
 const Eigen::Vector3d kUpright = Eigen::Vector3d::Zero();
 
@@ -121,12 +111,11 @@ TEST(Trajectory, AnEmptyFileIsAnEmptyTrajectory) {
 
 TEST(Trajectory, NamesTheLineOfAFault) {
   const std::string good = "1 0 0 0 0 0 0 1\n";
-  EXPECT_THAT(errorOf(good + "2 0 0 0 0 0 0\n"),
-              AllOf(HasSubstr("groundtruth.txt"), HasSubstr("line 2"), HasSubstr("7 columns")));
+  EXPECT_THAT(errorOf(good + "2 0 0 0 0 0 0\n"), HasAll("groundtruth.txt", "line 2", "7 columns"));
   EXPECT_THAT(errorOf(good + "2 0 0 0 0 0 0 1 9\n"), HasSubstr("9 columns"));
   EXPECT_THAT(errorOf(good + "2 0 0 zero 0 0 0 1\n"), HasSubstr("'zero'"));
   EXPECT_THAT(errorOf(good + "2 0 0 nan 0 0 0 1\n"), HasSubstr("'nan'"));
-  EXPECT_THAT(errorOf(good + "\n2 0 0 0 0 0 0 0\n"), AllOf(HasSubstr("line 3"), HasSubstr("rotation")));
+  EXPECT_THAT(errorOf(good + "\n2 0 0 0 0 0 0 0\n"), HasAll("line 3", "rotation"));
   EXPECT_THAT(errorOf(good + "2 0 0 0 1 0 0 1\n"), HasSubstr("rotation"));
   EXPECT_THAT(errorOf(good + "2 0 0 2e6 0 0 0 1\n"), HasSubstr("its pose is more than 1000 km away"));
   EXPECT_THAT(errorOf(good + "1e12 0 0 0 0 0 0 1\n"), HasSubstr("its stamp is impossible"));
@@ -135,4 +124,4 @@ TEST(Trajectory, NamesTheLineOfAFault) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

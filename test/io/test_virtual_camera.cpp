@@ -9,39 +9,31 @@
 #include <facetloc/io/oni_recorder.h>
 
 #include <OpenNI.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <sys/mount.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using test::ioErrorOf;
-using test::Watchdog;
-using testing::AllOf;
-using testing::HasSubstr;
 
 class VirtualCamera : public testing::Test {
 protected:
-  std::string sequence(const test::ExampleSequence& sequence = {}) {
+  std::string sequence(const ExampleSequence& sequence = {}) {
     return sequence.write(folder_ / "sequence").string();
   }
   std::string scene(const std::string& content, const std::string& name = "a.scene") {
-    return test::putBytes(folder_ / name, content).string();
+    return putBytes(folder_ / name, content).string();
   }
   std::string cause(const std::string& device) {
-    const Watchdog watchdog;
     return ioErrorOf([&] { OpenNIGrabber grabber(device); });
   }
   /** All frames of a device, one by one. */
-  std::vector<test::GrabbedFrame> triggered(OpenNIGrabber& grabber, std::size_t count) {
-    const test::GrabbedFrames frames(grabber);
+  std::vector<GrabbedFrame> triggered(OpenNIGrabber& grabber, std::size_t count) {
+    const GrabbedFrames frames(grabber);
     grabber.trigger(0);
     grabber.start();
     for (std::size_t i = 1; i <= count; ++i) {
@@ -49,12 +41,12 @@ protected:
       if (!frames.waitFor(i)) ADD_FAILURE() << "frame " << i << " of " << count << " does not come";
       if (HasFailure()) break;
     }
-    EXPECT_TRUE(count < 5 || test::waitUntil([&] { return grabber.isEndOfFile(); }));
+    EXPECT_TRUE(count < 5 || waitUntil([&] { return grabber.isEndOfFile(); }));
     grabber.stop();
     return frames.frames();
   }
   /** All frames of a sequence as a recording. */
-  fs::path recorded(const test::ExampleSequence& example) {
+  fs::path recorded(const ExampleSequence& example) {
     const fs::path file = folder_ / "a.oni";
     const auto frames = static_cast<std::size_t>(example.frames);
     OpenNIGrabber grabber(sequence(example));
@@ -69,18 +61,18 @@ protected:
     return file;
   }
 
-  test::TemporaryFolder folder_;
+  const Watchdog watchdog_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(VirtualCamera, DeliversEachImageOnceWhenTriggered) {
-  const Watchdog watchdog;
-  test::ExampleSequence sequence;
+  ExampleSequence sequence;
   sequence.frames = 300;
   OpenNIGrabber grabber(this->sequence(sequence));
   const auto frames = triggered(grabber, 300);
   ASSERT_EQ(frames.size(), 300u);
   for (int i = 0; i < 300; ++i) {
-    const test::GrabbedFrame& frame = frames[static_cast<std::size_t>(i)];
+    const GrabbedFrame& frame = frames[static_cast<std::size_t>(i)];
     EXPECT_EQ(frame.index, i + 1);
     EXPECT_NEAR(1e-6 * static_cast<double>(frame.stamp), sequence.stamp(i), 1e-6);
     for (int v = 0; v < 48; ++v)
@@ -90,18 +82,17 @@ TEST_F(VirtualCamera, DeliversEachImageOnceWhenTriggered) {
 }
 
 TEST_F(VirtualCamera, PlaysInRealTimeOnce) {
-  const Watchdog watchdog;
-  test::ExampleSequence sequence;
+  ExampleSequence sequence;
   sequence.frames = 30;
   sequence.rate = 30;
   OpenNIGrabber grabber(this->sequence(sequence));
   EXPECT_EQ(grabber.getFramesPerSecond(), 30);
-  const test::GrabbedFrames grabbed(grabber);
+  const GrabbedFrames grabbed(grabber);
   const auto begin = std::chrono::steady_clock::now();
   grabber.start();
   EXPECT_FALSE(grabber.isEndOfFile());
   ASSERT_TRUE(grabbed.waitFor(1));
-  ASSERT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }));
+  ASSERT_TRUE(waitUntil([&] { return grabber.isEndOfFile(); }));
   const auto time = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(time, 29 * 33ms);
   const auto frames = grabbed.frames();  // all of them, unless the machine is busy
@@ -113,12 +104,11 @@ TEST_F(VirtualCamera, PlaysInRealTimeOnce) {
 }
 
 TEST_F(VirtualCamera, RepeatsAndSpeedsUpOnRequest) {
-  const Watchdog watchdog;
-  test::ExampleSequence sequence;
+  ExampleSequence sequence;
   sequence.frames = 10;
   OpenNIGrabber grabber(this->sequence(sequence));
   EXPECT_TRUE(grabber.isFile());
-  const test::GrabbedFrames grabbed(grabber);
+  const GrabbedFrames grabbed(grabber);
   const auto timeOfImages = [&](double speed) {
     grabber.setPlayback(speed, true);
     const auto begin = std::chrono::steady_clock::now();
@@ -139,20 +129,18 @@ TEST_F(VirtualCamera, RepeatsAndSpeedsUpOnRequest) {
 }
 
 TEST_F(VirtualCamera, GoesOnWhereItWasStopped) {
-  const Watchdog watchdog;
   OpenNIGrabber grabber(sequence());
   EXPECT_EQ(triggered(grabber, 3).size(), 3u);
   const auto next = triggered(grabber, 2);
   ASSERT_EQ(next.size(), 2u);
-  EXPECT_NEAR(1e-6 * static_cast<double>(next[0].stamp), test::ExampleSequence().stamp(3), 1e-6);
+  EXPECT_NEAR(1e-6 * static_cast<double>(next[0].stamp), ExampleSequence().stamp(3), 1e-6);
 }
 
 TEST_F(VirtualCamera, LeavesOutImagesThatCannotBeReadAndSaysSo) {
-  const Watchdog watchdog;
-  const test::ExampleSequence example;
+  const ExampleSequence example;
   const std::string folder = sequence(example);
   const fs::path broken = example.image(folder, 2);
-  test::putBytes(broken, test::bytesOf(broken).substr(0, 100));
+  putBytes(broken, bytesOf(broken).substr(0, 100));
   OpenNIGrabber grabber(folder);
   EXPECT_EQ(grabber.lastError(), "");
   const auto frames = triggered(grabber, 19);
@@ -163,23 +151,21 @@ TEST_F(VirtualCamera, LeavesOutImagesThatCannotBeReadAndSaysSo) {
 }
 
 TEST_F(VirtualCamera, SurvivesTheLossOfItsFolder) {
-  const Watchdog watchdog;
   const std::string folder = sequence();
   {
     OpenNIGrabber grabber(folder);
-    const test::GrabbedFrames grabbed(grabber);
+    const GrabbedFrames grabbed(grabber);
     grabber.start();
     ASSERT_TRUE(grabbed.waitFor(1));
     fs::remove_all(folder);
-    EXPECT_TRUE(test::waitUntil([&] { return grabber.isEndOfFile(); }));
+    EXPECT_TRUE(waitUntil([&] { return grabber.isEndOfFile(); }));
     EXPECT_THAT(grabber.lastError(), HasSubstr(folder));
   }
-  EXPECT_THAT(cause(folder), AllOf(HasSubstr(folder), HasSubstr("does not exist")));
+  EXPECT_THAT(cause(folder), HasAll(folder, "does not exist"));
 }
 
 TEST_F(VirtualCamera, ReportsItsFieldsOfViewToOpenNI2) {
-  const Watchdog watchdog;
-  const test::ExampleSequence example;
+  const ExampleSequence example;
   const std::string folder = sequence(example);
   ASSERT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
   openni::Device device;
@@ -200,9 +186,8 @@ TEST_F(VirtualCamera, ReportsItsFieldsOfViewToOpenNI2) {
 }
 
 TEST_F(VirtualCamera, DrivesThroughSimulatedPlaces) {
-  const Watchdog watchdog;
   const std::string content = "scene = office  # a comment\nrun=map\nseed = 3\nwidth = 80\nframes = 12\n";
-  std::vector<std::vector<test::GrabbedFrame>> runs;
+  std::vector<std::vector<GrabbedFrame>> runs;
   for (const char* name : {"a.scene", "b.scene"}) {
     OpenNIGrabber grabber(scene(content, name));
     EXPECT_NEAR(grabber.focalLength(), 73.1, 0.1);
@@ -223,13 +208,12 @@ TEST_F(VirtualCamera, DrivesThroughSimulatedPlaces) {
 }
 
 TEST_F(VirtualCamera, ReportsAKnownMountingOfItsCamera) {
-  const Watchdog watchdog;
   const OpenNIGrabber driven(
       scene("scene = room\nframes = 3\ncamera_height = 1.2\ncamera_tilt_deg = 7\n", "a.scene"));
   ASSERT_TRUE(driven.mounting());
   EXPECT_EQ(driven.mounting()->height, 1.2);
   EXPECT_EQ(driven.mounting()->tilt_deg, 7);
-  const fs::path folder = sequence(test::ExampleSequence());
+  const fs::path folder = sequence(ExampleSequence());
   {
     const OpenNIGrabber unknown(folder);
     EXPECT_FALSE(unknown.mounting());
@@ -242,7 +226,6 @@ TEST_F(VirtualCamera, ReportsAKnownMountingOfItsCamera) {
 
 /** Where a jump leads is where the drive would have been. */
 TEST_F(VirtualCamera, JumpsWhenTheSceneSaysSo) {
-  const Watchdog watchdog;
   const std::string drive =
       "scene = office\nwidth = 40\nnoise_factor = 0\nquantization = 0\nrandom_dropout = 0\n";
   OpenNIGrabber straight(scene(drive + "frames = 40\n", "a.scene"));
@@ -250,7 +233,7 @@ TEST_F(VirtualCamera, JumpsWhenTheSceneSaysSo) {
   const auto all = triggered(straight, 40), some = triggered(jumps, 10);
   ASSERT_EQ(all.size(), 40u);
   ASSERT_EQ(some.size(), 10u);
-  const auto difference = [](const test::GrabbedFrame& a, const test::GrabbedFrame& b) {
+  const auto difference = [](const GrabbedFrame& a, const GrabbedFrame& b) {
     std::size_t pixels = 0;
     for (std::size_t i = 0; i < a.depth.size(); ++i) pixels += std::abs(a.depth[i] - b.depth[i]) > 5;
     return pixels;
@@ -261,9 +244,8 @@ TEST_F(VirtualCamera, JumpsWhenTheSceneSaysSo) {
 }
 
 TEST_F(VirtualCamera, NamesFaultsOfAScene) {
-  EXPECT_THAT(cause(scene("")), AllOf(HasSubstr("a.scene"), HasSubstr("has no scene")));
-  EXPECT_THAT(cause(scene("# x\nscene = moon\n")),
-              AllOf(HasSubstr("line 2"), HasSubstr("unknown scene 'moon'"), HasSubstr("office")));
+  EXPECT_THAT(cause(scene("")), HasAll("a.scene", "has no scene"));
+  EXPECT_THAT(cause(scene("# x\nscene = moon\n")), HasAll("line 2", "unknown scene 'moon'", "office"));
   EXPECT_THAT(cause(scene("scene = office\nwidht = 3\n")), HasSubstr("unknown key 'widht'"));
   EXPECT_THAT(cause(scene("scene = office\nwidth = wide\n")), HasSubstr("'wide' is not a number"));
   EXPECT_THAT(cause(scene("scene = office\nwidth = 3\n")), HasSubstr("width = 3 is impossible"));
@@ -287,8 +269,7 @@ TEST_F(VirtualCamera, IsAnnouncedOnlyOnRequest) {
 }
 
 TEST_F(VirtualCamera, IsRecordedBitByBit) {
-  const Watchdog watchdog;
-  test::ExampleSequence example;
+  ExampleSequence example;
   example.frames = 30;
   const fs::path file = recorded(example);
   const OniFile oni = OniFile::open(file);
@@ -302,31 +283,30 @@ TEST_F(VirtualCamera, IsRecordedBitByBit) {
     EXPECT_NEAR(oni.stamp(static_cast<std::size_t>(i)) - oni.stamp(0), i / example.rate, 2e-6);
   }
   OpenNIGrabber player(file.string());  // and OpenNI2 itself can play it
-  const test::GrabbedFrames played(player);
+  const GrabbedFrames played(player);
   player.start();
-  ASSERT_TRUE(test::waitUntil([&] { return player.isEndOfFile(); }));
+  ASSERT_TRUE(waitUntil([&] { return player.isEndOfFile(); }));
   ASSERT_GE(played.size(), 15u);
-  for (const test::GrabbedFrame& frame : played.frames())
+  for (const GrabbedFrame& frame : played.frames())
     EXPECT_EQ(frame.depth, oni.readRaw(static_cast<std::size_t>(frame.index - 1))) << frame.index;
 }
 
 TEST_F(VirtualCamera, IsPlayedInMillimetresWhateverTheUnitOfItsRecording) {
-  const Watchdog watchdog;
-  test::ExampleSequence example;
+  ExampleSequence example;
   example.frames = 10;
-  std::string bytes = test::bytesOf(recorded(example));
+  std::string bytes = bytesOf(recorded(example));
   const std::string name("oniPixelFormat\0\x08\0\0\0", 19);
   const std::size_t unit = bytes.find(name);
   ASSERT_NE(unit, std::string::npos);
   ASSERT_EQ(bytes[unit + name.size()], 100);
   bytes[unit + name.size()] = 101;  // 100 um
-  const OniFile oni = OniFile::open(test::putBytes(folder_ / "b.oni", bytes));
+  const OniFile oni = OniFile::open(putBytes(folder_ / "b.oni", bytes));
   OpenNIGrabber player(folder_ / "b.oni");
-  const test::GrabbedFrames played(player);
+  const GrabbedFrames played(player);
   player.start();
-  ASSERT_TRUE(test::waitUntil([&] { return player.isEndOfFile(); }));
+  ASSERT_TRUE(waitUntil([&] { return player.isEndOfFile(); }));
   ASSERT_GE(played.size(), 5u);
-  for (const test::GrabbedFrame& frame : played.frames()) {
+  for (const GrabbedFrame& frame : played.frames()) {
     const std::vector<float> metres = oni.read(static_cast<std::size_t>(frame.index - 1)).depth;
     for (std::size_t i = 0; i < metres.size(); ++i) ASSERT_NEAR(1e-3 * frame.depth[i], metres[i], 0.51e-3);
   }
@@ -352,10 +332,9 @@ private:
 };
 
 TEST_F(VirtualCamera, KeepsTheFramesWrittenAndReportsAFullDisk) {
-  const Watchdog watchdog;
   const SmallDisk disk(folder_ / "disk", "32k");
   if (!disk.mounted()) GTEST_SKIP() << "no right to mount a disk";
-  test::ExampleSequence example;
+  ExampleSequence example;
   example.frames = 60;
   OpenNIGrabber grabber(sequence(example));
   grabber.trigger(0);
@@ -372,7 +351,6 @@ TEST_F(VirtualCamera, KeepsTheFramesWrittenAndReportsAFullDisk) {
 }
 
 TEST_F(VirtualCamera, IsNotRecordedWhereThatIsImpossible) {
-  const Watchdog watchdog;
   OpenNIGrabber grabber(sequence());
   EXPECT_THAT(ioErrorOf([&] { OniRecorder recorder(grabber.uri(), folder_ / "none" / "a.oni"); }),
               HasSubstr("does not exist"));
@@ -384,4 +362,4 @@ TEST_F(VirtualCamera, IsNotRecordedWhereThatIsImpossible) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test
