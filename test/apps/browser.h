@@ -3,12 +3,6 @@
 
 #include "process.h"
 
-#include <cstdlib>
-#include <filesystem>
-#include <sstream>
-#include <string>
-#include <vector>
-
 namespace facetloc::test {
 
 /** \brief A browser without a window, with its own profile; empty path if none is installed. */

@@ -3,12 +3,7 @@
 
 #include "tool_runner.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <memory>
-#include <string>
-#include <vector>
 
 namespace facetloc::test {
 

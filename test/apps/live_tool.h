@@ -4,12 +4,8 @@
 #include "process.h"
 #include "tool_runner.h"
 
-#include <gtest/gtest.h>
-
 #include <cstddef>
 #include <memory>
-#include <string>
-#include <vector>
 
 namespace facetloc::test {
 

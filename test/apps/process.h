@@ -6,11 +6,9 @@
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
-#include <string>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
-#include <vector>
 
 namespace facetloc::test {
 

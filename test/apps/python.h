@@ -3,8 +3,6 @@
 
 #include "process.h"
 
-#include <string>
-
 namespace facetloc::test {
 
 /** \brief A Python 3 that has these modules; empty if not found. \param modules separated by commas */

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 Eigen::Isometry3d pose(const Eigen::Vector3d& t, const Eigen::Vector3d& rotation) {
@@ -85,13 +85,13 @@ TEST(RobustAlignment, IsTheSameEveryTime) {
 
 /** A camera in a space of half a metre, with Gaussian errors of positions and orientations. */
 std::vector<PosePair> room(int n, double position_std, double rotation_std) {
-  test::Rng rng(3);
+  Rng rng(3);
   std::vector<PosePair> pairs;
   for (int i = 0; i < n; ++i) {
-    const Eigen::Isometry3d truth = test::randomPose(rng, 3, 0.5);
+    const Eigen::Isometry3d truth = randomPose(rng, 3, 0.5);
     Eigen::Isometry3d estimated = kMotion.inverse() * truth;
-    estimated.translation() += position_std * test::gaussian<3>(rng);
-    estimated.linear() = expSO3(rotation_std * test::gaussian<3>(rng)) * estimated.linear();
+    estimated.translation() += position_std * gaussian<3>(rng);
+    estimated.linear() = expSO3(rotation_std * gaussian<3>(rng)) * estimated.linear();
     pairs.push_back({double(i), estimated, truth});
   }
   return pairs;
@@ -155,4 +155,4 @@ TEST(Alignment, NeedsThreePairs) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

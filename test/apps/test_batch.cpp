@@ -6,23 +6,12 @@
 
 #include <facetloc/io/error.h>
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <csignal>
-#include <cstdlib>
-#include <fstream>
 #include <sys/resource.h>
-#include <thread>
-#include <unistd.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 class BatchTest : public testing::TestWithParam<int> {
 protected:
@@ -38,7 +27,7 @@ TEST_P(BatchTest, DoesEachItemOnceByAKnownWorker) {
     EXPECT_LT(worker, batch.workers());
     ++done[i];
   });
-  EXPECT_THAT(done, testing::Each(1));
+  EXPECT_THAT(done, Each(1));
   EXPECT_EQ(batch.report(), kOk);
   EXPECT_THAT(err_.str(), IsEmpty());
 }
@@ -77,8 +66,7 @@ TEST_P(BatchTest, StopsAtCtrlCAndSaysHowFarItIs) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     });
   };
-  EXPECT_THAT(run, testing::ThrowsMessage<Stopped>(
-                       testing::AllOf(HasSubstr("stopped after "), HasSubstr(" of 1000 images"))));
+  EXPECT_THAT(run, testing::ThrowsMessage<Stopped>(HasAll("stopped after ", " of 1000 images")));
 }
 
 /** With an address space that has no room for the stacks of all threads. */
@@ -107,7 +95,7 @@ TEST_P(BatchTest, RunsPartAfterPart) {
   std::vector<int> done(6, 0);
   for (std::size_t first = 0; first < 6; first += 2)
     EXPECT_EQ(batch.run(first, first + 2, name, [&](std::size_t i, int) { done[i] = 1; }).size(), 2u);
-  EXPECT_THAT(done, testing::Each(1));
+  EXPECT_THAT(done, Each(1));
 }
 
 TEST_P(BatchTest, NothingToDo) {
@@ -138,7 +126,7 @@ TEST_P(SharedBatchTest, HandsOutResultsInOrder) {
     return Numbers::Work{name, [&, order, ahead](std::size_t item, int) {
                            ++begun;
                            if (item == 0) {
-                             EXPECT_TRUE(test::eventually([&] { return begun == ahead; }));
+                             EXPECT_TRUE(eventually([&] { return begun == ahead; }));
                            }
                            return order[item] * order[item];
                          }};
@@ -198,8 +186,7 @@ TEST_P(SharedBatchTest, HandsOutAllThatIsDoneAtCtrlC) {
     return item;
   });
   const auto run = [&] { numbers.run({}, 1000, [&](std::size_t, auto&&, const std::string&) { ++taken; }); };
-  EXPECT_THAT(run, testing::ThrowsMessage<Stopped>(
-                       testing::AllOf(HasSubstr("stopped after "), HasSubstr(" of 1000 images"))));
+  EXPECT_THAT(run, testing::ThrowsMessage<Stopped>(HasAll("stopped after ", " of 1000 images")));
   EXPECT_EQ(taken, done);
 }
 
@@ -234,4 +221,4 @@ TEST(Progress, ShowsOnTerminalsOnly) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

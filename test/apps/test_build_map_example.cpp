@@ -7,22 +7,12 @@
 #include "example_room.h"
 #include "tools/simulate_app.h"
 
-#include <gmock/gmock.h>
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::runMap;
-using test::runTool;
-using test::ToolRun;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 /** The rows of a query, values as SQL writes them. */
 std::vector<std::string> rowsOf(const std::string& map, const std::string& query) {
@@ -97,7 +87,7 @@ int buildAsTheExampleDoes(std::string recording, std::string map) {
 class BuildMapExample : public testing::Test {
 protected:
   static void SetUpTestSuite() {
-    folder_ = std::make_unique<test::TemporaryFolder>();
+    folder_ = std::make_unique<TemporaryFolder>();
     ASSERT_EQ(runTool<SimulateApp>({"room", "-o", *folder_ / "", "--seed", "8", "--map-frames", "60",
                                     "--query-frames", "2", "--width", "320", "--drive.turn_deg", "8",
                                     "--sensor.distortion", "3"})
@@ -108,14 +98,14 @@ protected:
     for (std::string line; std::getline(in, line);)
       if (line.rfind("mount_", 0) != 0) kept += line + "\n";
     in.close();
-    test::writeContent(recording() + "/camera.ini", kept);
+    writeContent(recording() + "/camera.ini", kept);
   }
   static void TearDownTestSuite() { folder_.reset(); }
   static std::string recording() { return *folder_ / "map"; }
 
-  static std::unique_ptr<test::TemporaryFolder> folder_;
+  static std::unique_ptr<TemporaryFolder> folder_;
 };
-std::unique_ptr<test::TemporaryFolder> BuildMapExample::folder_;
+std::unique_ptr<TemporaryFolder> BuildMapExample::folder_;
 
 TEST_F(BuildMapExample, MakesTheMapOfTheTool) {
   const std::string by_tool = *folder_ / "tool.flmap", by_example = *folder_ / "example.flmap";
@@ -146,4 +136,4 @@ TEST_F(BuildMapExample, MakesTheMapOfTheToolWithoutPoses) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,15 +2,12 @@
 #include "batch/bytes.h"
 #include "example_scene.h"
 
-#include <facetloc/io/map_database.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <gmock/gmock.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ExampleScene;
 
 View exampleView() {
   Camera camera;
@@ -62,7 +59,7 @@ TEST(Bytes, DistortionsSurvive) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1.0 / (3.0 + static_cast<double>(i));
   const DepthDistortion distortion(DepthDistortion::extentOf(kinectIntrinsics()), values);
   const auto [images, again] = fromBytes<ModelsOrder>(toBytes(ModelsOrder{{3, 5}, distortion}));
-  EXPECT_THAT(images, testing::ElementsAre(3u, 5u));
+  EXPECT_THAT(images, ElementsAre(3u, 5u));
   ASSERT_TRUE(again);
   EXPECT_EQ(again->extent().min(), distortion.extent().min());
   EXPECT_EQ(again->extent().max(), distortion.extent().max());
@@ -103,4 +100,4 @@ TEST(Bytes, DistortionsOverNothingAreRefused) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Inputs after public reports, each with a check of the right outcome, where they lie beside the checkout.
+#include <facetloc/testing/matchers.h>
 #include <facetloc/testing/places.h>
-
-#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -10,8 +9,6 @@
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 class Cases : public testing::TestWithParam<const char*> {};
 

@@ -3,19 +3,8 @@
 
 #include <facetloc/features/params.h>
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::runTool;
-using test::TemporaryFolder;
-using test::ToolRun;
-using testing::AllOf;
-using testing::EndsWith;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
 
 struct ExampleParams {
   double angular_threshold = 2.5;
@@ -104,7 +93,7 @@ ToolRun echo(const std::vector<std::string>& arguments) { return runTool<EchoApp
 
 void expectUsageError(const ToolRun& run, const std::string& cause) {
   EXPECT_EQ(run.code, kUsage);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("facetloc_echo: "), HasSubstr(cause), HasSubstr("--help")));
+  EXPECT_THAT(run.err, HasAll("facetloc_echo: ", cause, "--help"));
   EXPECT_THAT(run.out, IsEmpty());
 }
 
@@ -188,27 +177,23 @@ TEST(CommandLine, ValuesOutOfRangeNameTheParameter) {
 TEST(CommandLine, ArgumentsAreRequired) { expectUsageError(echo({}), "INPUT is missing"); }
 
 TEST(CommandLine, HelpAndVersion) {
-  const ToolRun help = echo({"--help"});
-  EXPECT_EQ(help.code, kOk);
-  EXPECT_THAT(help.out,
-              AllOf(HasSubstr("Usage: facetloc_echo INPUT... -o DIR"), HasSubstr("Repeats its options."),
-                    HasSubstr("--max-hypotheses K (=100)"), HasSubstr("What users need:"),
-                    HasSubstr("--shown.size NUMBER (=1)"), HasSubstr("--params"), HasSubstr("--help-all"),
-                    Not(HasSubstr("angular_threshold"))));
+  const ToolRun help = ok(echo({"--help"}));
+  EXPECT_THAT(help.out, HasAll("Usage: facetloc_echo INPUT... -o DIR", "Repeats its options.",
+                               "--max-hypotheses K (=100)", "What users need:", "--shown.size NUMBER (=1)",
+                               "--params", "--help-all", Not(HasSubstr("angular_threshold"))));
   const ToolRun all = echo({"--help-all"});
   const std::size_t same = help.out.find("Options of all tools:");
   EXPECT_EQ(all.out.substr(0, same), help.out.substr(0, same));  // and more
-  EXPECT_THAT(all.out.substr(same), AllOf(HasSubstr("-h [ --help ]"), HasSubstr("--params FILE"),
-                                          HasSubstr("Matching of examples:"),
-                                          HasSubstr("--matching.angular_threshold NUMBER (=2.5)"),
-                                          HasSubstr("Largest angle [deg].")));
+  EXPECT_THAT(all.out.substr(same),
+              HasAll("-h [ --help ]", "--params FILE", "Matching of examples:",
+                     "--matching.angular_threshold NUMBER (=2.5)", "Largest angle [deg]."));
   EXPECT_THAT(echo({"--version"}).out, testing::MatchesRegex("facetloc [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
 class ParamsFile : public testing::Test {
 protected:
   ToolRun echoWith(const std::string& content, std::vector<std::string> arguments = {"a"}) {
-    test::writeContent(path_, content);
+    writeContent(path_, content);
     arguments.insert(arguments.end(), {"--params", path_});
     return echo(arguments);
   }
@@ -274,4 +259,4 @@ TEST(App, ExceptionsBecomeAMessageAndAnExitCode) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

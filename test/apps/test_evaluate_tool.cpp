@@ -6,43 +6,25 @@
 #include <facetloc/features/so3.h>
 #include <facetloc/io/trajectory.h>
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
-#include <sstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::runMap;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
   const std::string place = fs::path(map_run()).parent_path().string();
   for (const char* run : {"map", "query"})
-    ASSERT_EQ(
-        runTool<LocalizeApp>({map(), place + "/" + run, "-o", folder_ / (std::string("results/") + run)})
-            .code,
-        kOk);
+    ok(runTool<LocalizeApp>({map(), place + "/" + run, "-o", folder_ / (std::string("results/") + run)}));
   const std::vector<std::string> arguments = {folder_ / "results", place, "--map", map()};
-  const ToolRun run = runTool<EvaluateApp>(arguments);
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out,
-              AllOf(HasSubstr("all images"), HasSubstr("new"), HasSubstr("covered"), HasSubstr("Solvable:"),
-                    HasSubstr("ERRORS BY THE NUMBER OF VISIBLE PLANES"), HasSubstr("TIME PER IMAGE")));
+  EXPECT_THAT(ok(runTool<EvaluateApp>(arguments)).out,
+              HasAll("all images", "new", "covered", "Solvable:", "ERRORS BY THE NUMBER OF VISIBLE PLANES",
+                     "TIME PER IMAGE"));
   EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"),
-              AllOf(HasSubstr("<title>Localization of " + fs::path(place).filename().string() + "</title>"),
-                    HasSubstr("TABLE II."), HasSubstr("class=\"plan\"")));
+              HasAll("<title>Localization of " + fs::path(place).filename().string() + "</title>",
+                     "TABLE II.", "class=\"plan\""));
   auto again = arguments;
   again.insert(again.end(), {"-o", folder_ / "again"});
-  ASSERT_EQ(runTool<EvaluateApp>(again).code, kOk);
+  ok(runTool<EvaluateApp>(again));
   for (const char* file : {"tables.csv", "frames.csv", "fig6.csv", "errors.csv", "timing_summary.csv"})
     EXPECT_EQ(contentOf(folder_ / "results/evaluation/" + file), contentOf(folder_ / "again/" + file))
         << file;
@@ -50,13 +32,13 @@ TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
 
 TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
   const std::string results = folder_ / "results", evaluation = results + "/evaluation";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
   fs::create_directories(evaluation + "/failures");
   for (const char* stale : {"/failures/miss_1.5.png", "/failures/1.5.png", "/failures/miss_1.5.txt",
                             "/floor_map.png", "/timing_summary.csv"})
-    test::writeContent(evaluation + stale, "stale");
+    writeContent(evaluation + stale, "stale");
   fs::remove(results + "/timing.csv");
-  ASSERT_EQ(runTool<EvaluateApp>({results, query()}).code, kOk);
+  ok(runTool<EvaluateApp>({results, query()}));
   for (const char* stale : {"/failures/miss_1.5.png", "/floor_map.png", "/timing_summary.csv"})
     EXPECT_FALSE(fs::exists(evaluation + stale)) << stale;
   for (const char* others : {"/failures/1.5.png", "/failures/miss_1.5.txt"})
@@ -66,7 +48,7 @@ TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
 
 TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
   const std::string results = folder_ / "results", moved = folder_ / "moved";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
   fs::create_directories(moved);
   std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
@@ -76,13 +58,12 @@ TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
   writeTumTrajectory(moved + "/groundtruth.txt", poses);
 
   const std::vector<std::string> lost = {results, moved, "--map", map(), "-o", folder_ / "lost"};
-  ASSERT_EQ(runTool<EvaluateApp>(lost).code, kOk);
+  ok(runTool<EvaluateApp>(lost));
   const ToolRun run =
-      runTool<EvaluateApp>({results, moved, "--map", map(), "--align", "-o", folder_ / "found"});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("Aligned with the truth: rotated by"));
-  EXPECT_THAT(run.out, HasSubstr("Absolute trajectory error of all sure answers: RMSE"));
-  ASSERT_EQ(runTool<EvaluateApp>({results, query(), "--map", map(), "-o", folder_ / "own"}).code, kOk);
+      ok(runTool<EvaluateApp>({results, moved, "--map", map(), "--align", "-o", folder_ / "found"}));
+  EXPECT_THAT(run.out, HasAll("Aligned with the truth: rotated by",
+                              "Absolute trajectory error of all sure answers: RMSE"));
+  ok(runTool<EvaluateApp>({results, query(), "--map", map(), "-o", folder_ / "own"}));
   const auto correct = [&](const std::string& evaluation) {
     std::istringstream lines(contentOf(folder_ / evaluation + "/tables.csv"));
     for (std::string line; std::getline(lines, line);)
@@ -97,14 +78,13 @@ TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
 
 TEST_F(Tools, EvaluateKnowsErrorsRelativeToLocalModels) {
   const std::string results = folder_ / "results", truth = map_run() + "/groundtruth.txt";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
   const std::string title = "Sure answers relative to their local models";
   EXPECT_THAT(runTool<EvaluateApp>({results, query(), "--map", map()}).out, Not(HasSubstr(title)));
-  const ToolRun with_map =
-                    runTool<EvaluateApp>({results, query(), "--map", map(), "--map-groundtruth", truth}),
-                without = runTool<EvaluateApp>({results, query(), "--map-groundtruth", truth});
-  EXPECT_THAT(with_map.out, HasSubstr(title));
-  EXPECT_THAT(without.out, HasSubstr(title)) << "by the names of models, which are stamps";
+  EXPECT_THAT(runTool<EvaluateApp>({results, query(), "--map", map(), "--map-groundtruth", truth}).out,
+              HasSubstr(title));
+  EXPECT_THAT(runTool<EvaluateApp>({results, query(), "--map-groundtruth", truth}).out, HasSubstr(title))
+      << "by the names of models, which are stamps";
 }
 
 TEST_F(Tools, EvaluateJudgesATrajectory) {
@@ -115,10 +95,9 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
   writeTumTrajectory(estimate, poses);
   ToolRun run = runTool<EvaluateApp>({estimate, map_run()});
   ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out,
-              AllOf(HasSubstr(std::to_string(all) + " poses over"), HasSubstr("ABSOLUTE TRAJECTORY ERROR"),
-                    HasSubstr("position [mm]"), HasSubstr("over 1 s [mm]")));
-  EXPECT_THAT(test::lastLine(run.out), HasSubstr(folder_ / "walk_evaluation"));
+  EXPECT_THAT(run.out, HasAll(std::to_string(all) + " poses over", "ABSOLUTE TRAJECTORY ERROR",
+                              "position [mm]", "over 1 s [mm]"));
+  EXPECT_THAT(lastLine(run.out), HasSubstr(folder_ / "walk_evaluation"));
   for (const char* file : {"/evaluation.txt", "/trajectory_errors.csv", "/trajectory_summary.csv",
                            "/report.html", "/trajectory.png"})
     EXPECT_TRUE(fs::exists(folder_ / "walk_evaluation" + file)) << file;
@@ -127,21 +106,21 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
 
   run = runTool<EvaluateApp>({estimate, query()});  // another run, at other times
   EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("walk.txt"), HasSubstr("0 pairs")));
+  EXPECT_THAT(run.err, HasAll("walk.txt", "0 pairs"));
   poses.resize(2);
   writeTumTrajectory(estimate, poses);
   EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("2 pairs"));
   poses.push_back(poses.back());
   writeTumTrajectory(estimate, poses);
   EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("two estimated poses have the stamp"));
-  test::writeContent(estimate, "no pose\n");
+  writeContent(estimate, "no pose\n");
   EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("line 1"));
 }
 
 TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   const std::string results = folder_ / "results";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
-  ASSERT_EQ(runMap({"build", query(), "-o", folder_ / "other.flmap"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runMap({"build", query(), "-o", folder_ / "other.flmap"}));
   ToolRun run = runTool<EvaluateApp>({results, query(), "--map", folder_ / "other.flmap"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("of another map"));
@@ -152,12 +131,12 @@ TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   std::string doubtful = hypotheses;
   for (std::size_t at; (at = doubtful.find(",sure")) != std::string::npos;)
     doubtful.replace(at, 5, ",doubtful");
-  test::writeContent(results + "/hypotheses.csv", doubtful);
+  writeContent(results + "/hypotheses.csv", doubtful);
   run = runTool<EvaluateApp>({results, query(), "--align"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("has 0 sure answers"));
 
-  test::writeContent(results + "/hypotheses.csv", header);
+  writeContent(results + "/hypotheses.csv", header);
   run = runTool<EvaluateApp>({results, query()});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("contains no results of any image"));
@@ -165,4 +144,4 @@ TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

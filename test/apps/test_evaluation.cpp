@@ -8,17 +8,8 @@
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
 
-#include <gmock/gmock.h>
-
-#include <cmath>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::contentOf;
-using test::TemporaryFolder;
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 Eigen::Isometry3d pose(double x, double yaw_deg = 0, double roll_deg = 0) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -300,7 +291,7 @@ Trajectory exampleRunsTruth() {
 }
 
 TEST(Evaluation, RunsAreReadFromOneFolderOrSeveral) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const RunResults& run : exampleRuns()) {
     std::vector<FrameResult> results;
     for (const ResultRow& row : run.rows) results.push_back({0, {row}, {row.frame, 1, 2, 3, 4}});
@@ -403,7 +394,7 @@ TEST(Summary, OnlyFullBinsDeviate) {
 }
 
 TEST(EvaluateApp, PrintsAndWritesTheTables) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::vector<FrameResult> results;
   for (const ResultRow& row : exampleRows()) {
     if (results.empty() || results.back().rows.back().frame != row.frame) results.emplace_back();
@@ -412,20 +403,18 @@ TEST(EvaluateApp, PrintsAndWritesTheTables) {
   }
   writeResults(folder / "results", results, "");
   writeTumTrajectory(folder / "truth.txt", exampleTruth().poses());
-  const test::ToolRun run = test::runTool<EvaluateApp>({folder / "results", folder / "truth.txt"});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("718 (90.65 %)"));
-  EXPECT_THAT(run.out, HasSubstr("3 (60.00 %)"));
-  EXPECT_EQ(test::lastLine(run.out), "evaluation in " + (folder / "results/evaluation"));
-  EXPECT_THAT(test::contentOf(folder / "results/evaluation/tables.csv"),
+  const ToolRun run = ok(runTool<EvaluateApp>({folder / "results", folder / "truth.txt"}));
+  EXPECT_THAT(run.out, HasAll("718 (90.65 %)", "3 (60.00 %)"));
+  EXPECT_EQ(lastLine(run.out), "evaluation in " + (folder / "results/evaluation"));
+  EXPECT_THAT(contentOf(folder / "results/evaluation/tables.csv"),
               HasSubstr("II,Translation error [mm],Avg.,36.83,30\n"));
-  EXPECT_THAT(test::contentOf(folder / "results/evaluation/frames.csv"),
+  EXPECT_THAT(contentOf(folder / "results/evaluation/frames.csv"),
               HasSubstr("\n,2.0,2,unknown,0,,,,3,2,50,1,1,doubtful,0.6,"));
-  EXPECT_THAT(test::contentOf(folder / "results/evaluation/fig6.csv"),
+  EXPECT_THAT(contentOf(folder / "results/evaluation/fig6.csv"),
               HasSubstr("set,share,translation_mm,orientation_deg,index\nall,0.333333333,10,"));
-  EXPECT_EQ(test::runTool<EvaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);
-  EXPECT_EQ(test::runTool<EvaluateApp>({}).code, kUsage);
-  EXPECT_EQ(test::runTool<EvaluateApp>({folder / "results"}).code, kOk) << "without truth";
+  EXPECT_EQ(runTool<EvaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);
+  EXPECT_EQ(runTool<EvaluateApp>({}).code, kUsage);
+  EXPECT_EQ(runTool<EvaluateApp>({folder / "results"}).code, kOk) << "without truth";
 }
 
 TEST(EvaluateApp, MapPosesFollowThePapersRule) {
@@ -435,4 +424,4 @@ TEST(EvaluateApp, MapPosesFollowThePapersRule) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

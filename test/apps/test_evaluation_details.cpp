@@ -4,16 +4,8 @@
 #include "evaluation/evaluation_report.h"
 #include "tool_runner.h"
 
-#include <gmock/gmock.h>
-
-#include <cmath>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 FrameEvaluation frame(const std::string& name, int first_correct = 1, double probability = 0.7) {
   FrameEvaluation f;
@@ -150,21 +142,21 @@ TEST(EvaluationReport, OnlyTheTimesDependOnTheTimes) {
   report.evaluation.frames = {seeing(4), away(0.3), frame("a", 2)};
   report.summaries = summarizeSets(report.evaluation);
   report.timing = {{"f", 5, 1, 100, 40}};
-  const test::TemporaryFolder a, b;
+  const TemporaryFolder a, b;
   writeReport(a / "", report);
   report.timing[0].localize_ms = 333;
   writeReport(b / "", report);
   for (const char* file : {"tables.csv", "frames.csv", "fig6.csv", "errors.csv"}) {
-    EXPECT_FALSE(test::contentOf(a / file).empty());
-    EXPECT_EQ(test::contentOf(a / file), test::contentOf(b / file)) << file;
+    EXPECT_FALSE(contentOf(a / file).empty());
+    EXPECT_EQ(contentOf(a / file), contentOf(b / file)) << file;
   }
-  EXPECT_EQ(test::contentOf(b / "timing_summary.csv"),
+  EXPECT_EQ(contentOf(b / "timing_summary.csv"),
             "stage,images,mean_ms,median_ms,p95_ms,max_ms\n"
             "segmentation,1,5.000,5.000,5.000,5.000\nfeatures,1,1.000,1.000,1.000,1.000\n"
             "localization,1,333.000,333.000,333.000,333.000\nall,1,339.000,339.000,339.000,339.000\n");
-  EXPECT_THAT(test::contentOf(a / "errors.csv"), HasSubstr("visible planes,4,6,1,1,1,10,0\n"));
-  EXPECT_THAT(test::contentOf(a / "errors.csv"), HasSubstr("distance [m],0.25,0.5,1,1,1,10,0\n"));
+  EXPECT_THAT(contentOf(a / "errors.csv"),
+              HasAll("visible planes,4,6,1,1,1,10,0\n", "distance [m],0.25,0.5,1,1,1,10,0\n"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -7,39 +7,31 @@
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/io/occupancy_grid_file.h>
 
-#include <gmock/gmock.h>
-
-#include <fstream>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::runTool;
-using test::ToolRun;
-using testing::HasSubstr;
 
 class FloorPlanTools : public testing::Test {
 protected:
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 };
 
 /** A plan becomes a map, and the map a plan. */
 TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
   const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";
-  ASSERT_EQ(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}).code, kOk);
+  ok(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}));
   std::ofstream(folder_ / "poses.txt") << "0 2.2 0 1 -0.5 0.5 -0.5 0.5\n1 6.6 0 1 -0.5 0.5 -0.5 0.5\n"
                                           "2 11 0 1 0.5 0.5 -0.5 -0.5\n3 15.4 0 1 0.5 0.5 -0.5 -0.5\n";
-  const ToolRun made =
-      runTool<MapModelApp>({plan, "-o", map, "--wall-height", "2.5", "--viewpoints", folder_ / "poses.txt"});
-  ASSERT_EQ(made.code, kOk) << made.err;
-  EXPECT_THAT(made.out, HasSubstr("2.50 m high"));
+  EXPECT_THAT(ok(runTool<MapModelApp>(
+                     {plan, "-o", map, "--wall-height", "2.5", "--viewpoints", folder_ / "poses.txt"}))
+                  .out,
+              HasSubstr("2.50 m high"));
   const Map read = openMap(map);
   EXPECT_EQ(read.models.size(), 4u);
   EXPECT_TRUE(lacksSurfaces(read));
   EXPECT_THAT(runTool<MapInfoApp>({map}).out, HasSubstr("a floor plan"));
 
-  const ToolRun back = runTool<MapExportApp>({map, "--grid", folder_ / "back/", "--grid.resolution", "0.1"});
-  ASSERT_EQ(back.code, kOk) << back.err;
+  const ToolRun back =
+      ok(runTool<MapExportApp>({map, "--grid", folder_ / "back/", "--grid.resolution", "0.1"}));
   const OccupancyGrid grid = readOccupancyGrid(folder_ / "back/map.yaml"), truth = readOccupancyGrid(plan);
   int walls = 0, wrong = 0;
   for (int row = 0; row < grid.height; ++row)
@@ -58,18 +50,15 @@ TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
 }
 
 TEST_F(FloorPlanTools, FloorPlansAreAskedForTheirHeight) {
-  ASSERT_EQ(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}).code, kOk);
+  ok(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}));
   const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";
-  const ToolRun without = runTool<MapModelApp>({plan, "-o", map});
-  EXPECT_EQ(without.code, kUsage);
-  EXPECT_THAT(without.err, HasSubstr("--wall-height"));
+  EXPECT_THAT(runTool<MapModelApp>({plan, "-o", map}), refuses("--wall-height"));
   EXPECT_EQ(runTool<MapModelApp>({"scan.ply", "-o", map, "--wall-height", "2"}).code, kUsage);
   std::ofstream(folder_ / "bad.yaml") << "image: hotel.pgm\nresolution: nan\norigin: [0, 0, 0]\n";
-  const ToolRun bad = runTool<MapModelApp>({folder_ / "bad.yaml", "-o", map, "--wall-height", "2"});
-  EXPECT_EQ(bad.code, kFailed);
-  EXPECT_THAT(bad.err, HasSubstr("resolution"));
+  EXPECT_THAT(runTool<MapModelApp>({folder_ / "bad.yaml", "-o", map, "--wall-height", "2"}),
+              fails("resolution"));
   EXPECT_FALSE(std::filesystem::exists(map));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -9,16 +9,8 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Key;
-using testing::UnorderedElementsAre;
 
 constexpr double kPositionStd = 0.05, kRotationStd = 3 * kDegree;
 constexpr double kPixels = 150;
@@ -126,7 +118,7 @@ TEST(SharedPlanes, MovedPlanesAreNotShared) {
 }
 
 TEST(RenderedTruth, ReadsItsFolder) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path run = folder / "run";
   writeSequence(run, "7.500000", {kFloor, kBack, kLeft}, displaced());
   const auto truth = RenderedTruth::open(run);
@@ -141,8 +133,8 @@ TEST(RenderedTruth, ReadsItsFolder) {
     EXPECT_NEAR((read.at(id).t - s.t).norm(), 0, 0.02) << id;
   }
   EXPECT_THROW(truth->segments("8.000000", displaced(), kPixels), IoError);
-  const std::string whole = test::contentOf(run / "labels/7.500000.png");
-  test::writeContent(run / "labels/8.000000.png", whole.substr(0, whole.size() / 2));
+  const std::string whole = contentOf(run / "labels/7.500000.png");
+  writeContent(run / "labels/8.000000.png", whole.substr(0, whole.size() / 2));
   EXPECT_THROW(truth->segments("8.000000", displaced(), kPixels), IoError);
   writeLabels(run / "labels/9.000000.png", seen({kFloor}, displaced()));  // half the size of camera.ini
   EXPECT_THROW(truth->segments("9.000000", displaced(), kPixels), IoError);
@@ -155,16 +147,11 @@ TEST(RenderedTruth, ReadsItsFolder) {
 }
 
 TEST(RenderedTruth, NamesFaultsOfItsFiles) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path path = folder / "planes.csv";
   const auto complaint = [&](const std::string& content) {
-    test::writeContent(path, content);
-    try {
-      readPlanes(path);
-    } catch (const IoError& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    writeContent(path, content);
+    return messageOf<IoError>([&] { readPlanes(path); });
   };
   EXPECT_EQ(complaint("plane,nx,ny,nz,d\n1,0,0,1,2\n\n65535,1,0,0,-3\r\n"), "");
   EXPECT_THAT(complaint(""), HasSubstr("does not begin with plane,nx,ny,nz,d"));
@@ -189,7 +176,7 @@ protected:
     return evaluate(runs, truth, models_, {}).frames.at(0);
   }
 
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
   std::vector<ModelPose> models_ = {{"1.000000", 1, Eigen::Isometry3d::Identity()}};
 };
 
@@ -203,7 +190,7 @@ TEST_F(Place, TheTruthsOfBothRunsAreOne) {
   EXPECT_EQ(PlaceTruth::open(folder_ / "query").poses().poses().size(), 1u);
   EXPECT_EQ(PlaceTruth::open(folder_ / "query/groundtruth.txt").poses().poses().size(), 1u);
   EXPECT_TRUE(PlaceTruth::open(folder_ / "query/groundtruth.txt").sequences().empty());
-  EXPECT_THROW(PlaceTruth::open(test::TemporaryFolder() / "."), IoError);
+  EXPECT_THROW(PlaceTruth::open(TemporaryFolder() / "."), IoError);
 }
 
 TEST_F(Place, RunsAtTheSameTimeAreDistinguishedByName) {
@@ -250,7 +237,7 @@ TEST_F(Place, SolvabilityIsUnknownWithoutTheMapsPlanes) {
 }
 
 TEST_F(Place, WhereTheMapHasNothingNothingIsCovered) {
-  test::writeContent(folder_ / "query/unmapped.txt", "# a room that was closed\n 1001.000000 # here\n\n");
+  writeContent(folder_ / "query/unmapped.txt", "# a room that was closed\n 1001.000000 # here\n\n");
   const PlaceTruth truth = PlaceTruth::open(place());
   EXPECT_TRUE(truth.unmapped("1001.000000"));
   EXPECT_FALSE(truth.unmapped("1.000000"));
@@ -261,4 +248,4 @@ TEST_F(Place, WhereTheMapHasNothingNothingIsCovered) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -6,33 +6,17 @@
 
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
-#include <cstdlib>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::captured;
-using test::contentOf;
-using test::lastLine;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-
-const fs::path kTools = fs::path(test::kMapTool).parent_path();
+const fs::path kTools = fs::path(kMapTool).parent_path();
 
 ToolRun front(const std::vector<std::string>& arguments) {
   return captured([&](const Console& console) { return runFront(arguments, console, kTools); });
 }
 
 TEST(Front, ListsAllCommands) {
-  const ToolRun run = front({});
-  EXPECT_EQ(run.code, kOk);
+  const ToolRun run = ok(front({}));
   for (const FrontCommand& command : frontCommands()) {
     EXPECT_THAT(run.out, HasSubstr("\n  " + command.name + " "));
     if (command.name != "try") {
@@ -40,20 +24,17 @@ TEST(Front, ListsAllCommands) {
     }
   }
   EXPECT_EQ(front({"--help"}).out, run.out);
-  EXPECT_THAT(front({"--version"}).out, testing::StartsWith("facetloc "));
-  const ToolRun unknown = front({"fly"});
-  EXPECT_EQ(unknown.code, kUsage);
-  EXPECT_THAT(unknown.err, AllOf(HasSubstr("unknown command 'fly'"), HasSubstr("Commands:")));
+  EXPECT_THAT(front({"--version"}).out, StartsWith("facetloc "));
+  EXPECT_THAT(front({"fly"}), refuses("unknown command 'fly'", "Commands:"));
   EXPECT_THAT(front({"lokalize"}).err, HasSubstr("did you mean 'localize'?"));
 }
 
 TEST(Front, BecomesTheToolThatIsNamed) {
   const std::string facetloc = (kTools / "facetloc").string();
-  const ToolRun run = test::Process({facetloc, "map", "info", "nowhere.flmap"}).wait();
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("facetloc_map"), HasSubstr("nowhere.flmap")));
-  EXPECT_EQ(test::Process({facetloc, "localize", "--no-such-option"}).wait().code, kUsage);
-  EXPECT_THAT(test::Process({facetloc, "render", "--help"}).wait().out, HasSubstr("Usage: facetloc_render"));
+  EXPECT_THAT(Process({facetloc, "map", "info", "nowhere.flmap"}).wait(),
+              fails("facetloc_map", "nowhere.flmap"));
+  EXPECT_EQ(Process({facetloc, "localize", "--no-such-option"}).wait().code, kUsage);
+  EXPECT_THAT(Process({facetloc, "render", "--help"}).wait().out, HasSubstr("Usage: facetloc_render"));
 }
 
 TEST_F(Tools, TryMakesAReportOfTwoRecordings) {
@@ -63,8 +44,7 @@ TEST_F(Tools, TryMakesAReportOfTwoRecordings) {
   for (const char* stage : {"1/4 check", "2/4 build", "3/4 localize", "4/4 evaluate"})
     EXPECT_THAT(run.out, HasSubstr(stage));
   EXPECT_EQ(lastLine(run.out), "report in " + folder + "/report.html");
-  EXPECT_THAT(contentOf(folder + "/report.html"),
-              AllOf(HasSubstr("of these are right"), HasSubstr("Next: ")));
+  EXPECT_THAT(contentOf(folder + "/report.html"), HasAll("of these are right", "Next: "));
   for (const char* file :
        {"map.flmap", "results/hypotheses.csv", "check.txt", "build.txt", "localize.txt", "evaluate.txt"})
     EXPECT_TRUE(fs::exists(folder + "/" + file)) << file;
@@ -78,21 +58,17 @@ TEST_F(Tools, TryNeedsNoTruth) {
   const ToolRun run = runTool<TryApp>({map_run(), blind, "-o", folder});
   ASSERT_EQ(run.code, kOk) << run.err << run.out;
   const std::string report = contentOf(folder + "/report.html");
-  EXPECT_THAT(report,
-              AllOf(HasSubstr("have a sure answer"), HasSubstr("class=\"plan\""), Not(HasSubstr("TABLE"))));
+  EXPECT_THAT(report, HasAll("have a sure answer", "class=\"plan\"", Not(HasSubstr("TABLE"))));
   EXPECT_FALSE(fs::exists(folder + "/tables.csv"));
 }
 
 TEST_F(Tools, TryStopsWhereSomethingIsWrong) {
-  const ToolRun nowhere = runTool<TryApp>({folder_ / "nowhere"});
-  EXPECT_EQ(nowhere.code, kFailed);
-  EXPECT_THAT(nowhere.err, HasSubstr("nowhere: does not exist"));
+  EXPECT_THAT(runTool<TryApp>({folder_ / "nowhere"}), fails("nowhere: does not exist"));
   EXPECT_EQ(runTool<TryApp>({}).code, kUsage);
-  const ToolRun scaled = runTool<TryApp>({map_run(), "-o", folder_ / "tried", "--depth-scale", "200000"});
-  EXPECT_EQ(scaled.code, kFailed);
-  EXPECT_THAT(scaled.err, HasSubstr("stopped at check"));
+  EXPECT_THAT(runTool<TryApp>({map_run(), "-o", folder_ / "tried", "--depth-scale", "200000"}),
+              fails("stopped at check"));
   EXPECT_FALSE(fs::exists(folder_ / "tried/map.flmap"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/heartbeat.h"
 
-#include <gmock/gmock.h>
+#include <facetloc/testing/matchers.h>
 
 #include <chrono>
 #include <sstream>
 #include <thread>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::ContainsRegex;
 
 /** Standard error of work that prints, then is silent for a while, then prints again. */
 std::string said(bool terminal, bool quiet, std::chrono::milliseconds silence) {
@@ -73,4 +71,4 @@ TEST(Heartbeat, EveryToolHasOneOnATerminal) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -17,16 +17,11 @@
 #include "tools/simulate_app.h"
 #include "tools/try_app.h"
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <map>
-#include <sstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::runTool;
 
 /** The output of each tool for --help or --help-all. */
 std::map<std::string, std::string> helpOfAll(const std::string& option) {
@@ -55,7 +50,7 @@ std::map<std::string, std::string> helpOfAll(const std::string& option) {
 TEST(Help, FitsOnAScreen) {
   for (const auto& [tool, help] : helpOfAll("--help")) {
     EXPECT_LE(std::count(help.begin(), help.end(), '\n'), 40) << tool;
-    EXPECT_THAT(help, testing::HasSubstr("--help-all")) << tool;
+    EXPECT_THAT(help, HasSubstr("--help-all")) << tool;
     // It ends with two examples, calls of the tool itself.
     const std::size_t examples = help.find("\nExamples:\n");
     ASSERT_NE(examples, std::string::npos) << tool;
@@ -70,9 +65,7 @@ TEST(Help, EachOptionIsUnderstoodAlone) {
   for (const auto& [tool, help] : helpOfAll("--help-all"))
     for (const char* words :
          {"The same", "the same of", " ... ", "Like ", "see above", "next two options", "  Of "})
-      EXPECT_THAT(help.substr(std::min(help.size(), help.find("Options:"))),
-                  testing::Not(testing::HasSubstr(words)))
-          << tool;
+      EXPECT_THAT(help.substr(std::min(help.size(), help.find("Options:"))), Not(HasSubstr(words))) << tool;
 }
 
 TEST(Help, UnitsOfScoresAreExplained) {
@@ -97,10 +90,10 @@ TEST(Help, PresetsSetExistingParameters) {
       if (line.find('[') != std::string::npos) group = line.substr(1, line.find(']') - 1) + ".";
       const auto equals = line.find(" =");
       if (equals == std::string::npos) continue;
-      EXPECT_THAT(all, testing::HasSubstr("--" + group + line.substr(0, equals) + " ")) << preset;
+      EXPECT_THAT(all, HasSubstr("--" + group + line.substr(0, equals) + " ")) << preset;
     }
   }
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that were made to harm: each is refused in words that name it, in little time and memory.
+#include "../io/sql.h"
 #include "example_scene.h"
 #include "process.h"
 
@@ -8,30 +9,13 @@
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sqlite3.h>
-
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <ostream>
-#include <sstream>
-#include <string>
 #include <sys/resource.h>
 #include <utility>
-#include <vector>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::kLiveTool;
-using test::kLocalizeTool;
-using test::kMapTool;
-using test::Process;
-using test::ToolRun;
-using testing::HasSubstr;
 
 /** The largest of all children so far; children of a test have it from its own pages to begin with. */
 long peakOfChildren() {
@@ -45,19 +29,8 @@ void expectRefused(const std::vector<std::string>& command, const std::string& f
   constexpr long kMostMemory = 1000000;  // [kB]
   const ToolRun run = Process(command).wait();
   EXPECT_EQ(run.code, 1) << run.out << run.err;
-  EXPECT_THAT(run.out + run.err, HasSubstr(fault));
-  EXPECT_THAT(run.out + run.err, HasSubstr(file));
+  EXPECT_THAT(run.out + run.err, HasAll(fault, file));
   EXPECT_LT(peakOfChildren(), kMostMemory);
-}
-
-/** Also against the CHECKs of the tables. */
-void execute(const fs::path& path, const std::string& sql) {
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
-  EXPECT_EQ(
-      sqlite3_exec(db, ("PRAGMA ignore_check_constraints = ON; " + sql).c_str(), nullptr, nullptr, nullptr),
-      SQLITE_OK);
-  sqlite3_close(db);
 }
 
 /** A view of a corner of a room, so often that the views stay in the file. */
@@ -65,8 +38,8 @@ Map largeMap() {
   constexpr int kModels = 401;
   Map map;
   map.camera.mounting = CameraMounting{1.0, 8};
-  const Eigen::Isometry3d T_w_m = test::ExampleScene::pose(0, 0, 0);
-  View view = ViewBuilder(Camera()).build(test::ExampleScene().see("corner", T_w_m).depth);
+  const Eigen::Isometry3d T_w_m = ExampleScene::pose(0, 0, 0);
+  View view = ViewBuilder(Camera()).build(ExampleScene().see("corner", T_w_m).depth);
   view.camera = nullptr;
   map.models.assign(kModels, {"", 0, T_w_m, std::move(view)});
   for (int i = 0; i < kModels; ++i) map.models[i].name = std::to_string(i);
@@ -99,21 +72,21 @@ protected:
     const Map map = largeMap();
     writeMap(path_, map);
     if (GetParam().damage)
-      execute(path_, GetParam().damage);
+      vandalize(path_, GetParam().damage);
     else
       MapDatabase::open(path_).setPlaceIndex([&](std::ostream& out) { out << indexOfNoNumbers(map); });
   }
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
   fs::path path_ = folder_ / "hostile.flmap";
 };
 
 TEST_P(HostileMaps, AreRefused) {
   expectRefused({kMapTool, "check", path_}, "hostile.flmap", GetParam().fault);
-  test::writeContent(
+  writeContent(
       folder_ / "camera.ini",
       "width = 320\nheight = 240\nfx = 262.5\nfy = 262.5\ncx = 159.5\ncy = 119.5\ndepth_scale = 5000\n");
   fs::create_directories(folder_ / "depth");
-  test::writeContent(folder_ / "depth/0.png", "never read");
+  writeContent(folder_ / "depth/0.png", "never read");
   expectRefused({kLocalizeTool, path_, folder_ / "", "-o", folder_ / "results"}, "hostile.flmap",
                 GetParam().fault);
 }
@@ -139,7 +112,7 @@ void PrintTo(const Hostile& h, std::ostream* out) { *out << h.file; }
 class HostileFiles : public testing::TestWithParam<Hostile> {
 protected:
   void SetUp() override {
-    path_ = test::dataFolder("hostile") / GetParam().file;
+    path_ = dataFolder("hostile") / GetParam().file;
     if (!fs::exists(path_)) GTEST_SKIP() << "no data at " << path_ << "; see FACETLOC_DATA";
   }
   fs::path path_;
@@ -156,4 +129,4 @@ INSTANTIATE_TEST_SUITE_P(, HostilePclzf,
                                          Hostile{"pclzf_width_bit", "its size of 1073742464x480 pixels"}));
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

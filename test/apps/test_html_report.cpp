@@ -8,17 +8,11 @@
 
 #include <facetloc/io/error.h>
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <cctype>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 /** A page without its script elements. */
 std::string withoutScripts(std::string html) {
@@ -72,8 +66,8 @@ TEST(Html, Base64AsInTheStandard) {  // RFC 4648, section 10
 }
 
 TEST(Html, APageIsWholeInItself) {
-  const test::TemporaryFolder folder;
-  test::writeContent(folder / "picture.png", "foobar");
+  const TemporaryFolder folder;
+  writeContent(folder / "picture.png", "foobar");
   HtmlPage page("A <page>");
   page.heading("First & last");
   page.paragraph("<script>alert(1)</script>");
@@ -90,15 +84,11 @@ TEST(Html, APageIsWholeInItself) {
   page.link("map.html", "a map");
   const std::string html = page.str();
   EXPECT_EQ(faultOf(html), "");
-  EXPECT_THAT(html, HasSubstr("<title>A &lt;page&gt;</title>"));
-  EXPECT_THAT(html, HasSubstr("<th colspan=\"2\">Group</th>"));
-  EXPECT_THAT(html, HasSubstr("<td class=\"part\">part</td><td>1</td>"));
-  EXPECT_THAT(html, HasSubstr("src=\"data:image/png;base64,Zm9vYmFy\""));
-  EXPECT_THAT(html, HasSubstr("<details><summary>More &amp; more</summary>\n<div class=\"verdict\">"));
-  EXPECT_THAT(html, HasSubstr("<a href=\"map.html\">a map</a>"));
-  EXPECT_THAT(html, HasSubstr("prefers-color-scheme: dark"));
-  EXPECT_THAT(html, Not(HasSubstr("<script")));
-  EXPECT_THAT(html, Not(HasSubstr("://")));
+  EXPECT_THAT(html, HasAll("<title>A &lt;page&gt;</title>", "<th colspan=\"2\">Group</th>",
+                           "<td class=\"part\">part</td><td>1</td>", "src=\"data:image/png;base64,Zm9vYmFy\"",
+                           "<details><summary>More &amp; more</summary>\n<div class=\"verdict\">",
+                           "<a href=\"map.html\">a map</a>", "prefers-color-scheme: dark",
+                           Not(HasSubstr("<script")), Not(HasSubstr("://"))));
   EXPECT_THROW(page.picture(folder / "nowhere.png", ""), IoError);
 }
 
@@ -132,11 +122,12 @@ EvaluationReport exampleReport() {
   return report;
 }
 
-TEST(EvaluationHtml, HasEveryTableOfTheText) {
-  const test::TemporaryFolder folder;
+using EvaluationHtml = InAFolder;
+
+TEST_F(EvaluationHtml, HasEveryTableOfTheText) {
   const EvaluationReport report = exampleReport();
-  writeHtmlReport(folder / "", report, {});
-  const std::string html = test::contentOf(folder / "report.html");
+  writeHtmlReport(folder_ / "", report, {});
+  const std::string html = contentOf(folder_ / "report.html");
   EXPECT_EQ(faultOf(html), "");
   EXPECT_THAT(withoutScripts(html), Not(HasSubstr("://")));
   const auto tables = reportTables(report.evaluation, report.summaries, report.timing, false);
@@ -152,30 +143,27 @@ TEST(EvaluationHtml, HasEveryTableOfTheText) {
   }
 }
 
-TEST(EvaluationHtml, ThePapersFiguresAppearWithItsExperimentOnly) {
-  const test::TemporaryFolder folder;
+TEST_F(EvaluationHtml, ThePapersFiguresAppearWithItsExperimentOnly) {
   EvaluationReport report = exampleReport();
-  writeHtmlReport(folder / "", report, {});
-  EXPECT_THAT(test::contentOf(folder / "report.html"),
-              AllOf(Not(HasSubstr("<th>paper</th>")), Not(HasSubstr("99 % in the paper")),
-                    Not(HasSubstr("TABLE I"))));
+  writeHtmlReport(folder_ / "", report, {});
+  EXPECT_THAT(contentOf(folder_ / "report.html"),
+              HasAll(Not(HasSubstr("<th>paper</th>")), Not(HasSubstr("99 % in the paper")),
+                     Not(HasSubstr("TABLE I"))));
   report.evaluation.frames[0].frame_class = FrameClass::map_image;
   report.summaries = summarizeSets(report.evaluation);
-  writeHtmlReport(folder / "", report, {});
-  EXPECT_THAT(
-      test::contentOf(folder / "report.html"),
-      AllOf(HasSubstr("<caption>TABLE II."), HasSubstr("<th>paper</th>"), HasSubstr("99 % in the paper")));
+  writeHtmlReport(folder_ / "", report, {});
+  EXPECT_THAT(contentOf(folder_ / "report.html"),
+              HasAll("<caption>TABLE II.", "<th>paper</th>", "99 % in the paper"));
 }
 
-TEST(EvaluationHtml, BeginsWithTheVerdict) {
-  const test::TemporaryFolder folder;
+TEST_F(EvaluationHtml, BeginsWithTheVerdict) {
   EvaluationReport report = exampleReport();
   report.results = "above/results <1>/";
   ReportFigures figures;
   figures.plan = "<svg></svg>";
   figures.map_page = true;
-  writeHtmlReport(folder / "", report, figures);
-  const std::string html = test::contentOf(folder / "report.html");
+  writeHtmlReport(folder_ / "", report, figures);
+  const std::string html = contentOf(folder_ / "report.html");
   EXPECT_EQ(faultOf(html), "");
   EXPECT_THAT(html, HasSubstr("<title>Localization of results &lt;1&gt;</title>"));
   EXPECT_THAT(html.substr(0, html.find("<h2>Charts</h2>")), Not(HasSubstr("above")));
@@ -191,15 +179,13 @@ TEST(EvaluationHtml, BeginsWithTheVerdict) {
   EXPECT_LT(html.find("<h2>Images that miss</h2>"), html.find("<table"));
 }
 
-TEST(EvaluationHtml, NamesTheImagesThatMiss) {
-  const test::TemporaryFolder folder;
-  writeHtmlReport(folder / "", exampleReport(), {});
-  const std::string html = test::contentOf(folder / "report.html");
-  EXPECT_THAT(html, HasSubstr("<caption>Confident and wrong (1)</caption>"));
-  EXPECT_THAT(html, HasSubstr("<caption>No correct hypothesis (1)</caption>"));
-  EXPECT_THAT(html, HasSubstr("<caption>Correct, but not at rank 1 (1)</caption>"));
-  EXPECT_THAT(html, HasSubstr("rotation &amp; more"));
-  EXPECT_THAT(html, HasSubstr("correct at rank 2"));
+TEST_F(EvaluationHtml, NamesTheImagesThatMiss) {
+  writeHtmlReport(folder_ / "", exampleReport(), {});
+  const std::string html = contentOf(folder_ / "report.html");
+  EXPECT_THAT(html, HasAll("<caption>Confident and wrong (1)</caption>",
+                           "<caption>No correct hypothesis (1)</caption>",
+                           "<caption>Correct, but not at rank 1 (1)</caption>", "rotation &amp; more",
+                           "correct at rank 2"));
   EXPECT_EQ(countOf(html, "<td>query 1001</td>"), 0u);
   for (const char* name : {"1002", "1003", "1004"})
     EXPECT_EQ(countOf(html, std::string("<td>query ") + name + "</td>"), 1u);
@@ -252,19 +238,18 @@ TEST(ChartData, IsThatOfATrajectory) {
   EXPECT_THAT(numbers(data["errors"][0]), testing::ElementsAre(7, 500, 4));
 }
 
-TEST(EvaluationHtml, DrawsItsChartsInABrowser) {
-  const test::TemporaryFolder folder;
+TEST_F(EvaluationHtml, DrawsItsChartsInABrowser) {
   EvaluationReport report = exampleReport();
   report.summaries[0].name = "</script><img src=x>";
-  writeHtmlReport(folder / "", report, {});
-  std::string html = test::contentOf(folder / "report.html");
-  writeHtmlReport(folder / "", report, {});
-  EXPECT_EQ(html, test::contentOf(folder / "report.html"));
+  writeHtmlReport(folder_ / "", report, {});
+  std::string html = contentOf(folder_ / "report.html");
+  writeHtmlReport(folder_ / "", report, {});
+  EXPECT_EQ(html, contentOf(folder_ / "report.html"));
   if (!hasPageFile("chart.js")) {
     EXPECT_THAT(html, AllOf(HasSubstr("facetloc was built without Chart.js"), Not(HasSubstr("<script"))));
     GTEST_SKIP() << "no Chart.js: install libjs-chart.js";
   }
-  const test::Browser browser;
+  const Browser browser;
   if (!browser.available()) GTEST_SKIP() << "no browser: install chromium";
   // Each canvas must have pixels of the colours of curves, which are not grey.
   html.insert(html.rfind("</body>"),
@@ -273,14 +258,14 @@ TEST(EvaluationHtml, DrawsItsChartsInABrowser) {
               "let n = 0; for (let i = 0; i < data.length; i += 4) n += Math.abs(data[i] - data[i + 2]) > 90 "
               "&& data[i + 3] > 200;"
               "canvas.setAttribute('data-drawn', n > 20 ? 'yes' : 'no'); }</script>");
-  test::writeContent(folder / "visited.html", html);
-  const test::ToolRun run = browser.elementsOf(folder / "visited.html");
+  writeContent(folder_ / "visited.html", html);
+  const ToolRun run = browser.elementsOf(folder_ / "visited.html");
   EXPECT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(test::Browser::consoleOf(run), testing::IsEmpty());
+  EXPECT_THAT(Browser::consoleOf(run), testing::IsEmpty());
   EXPECT_EQ(countOf(run.out, "data-drawn=\"yes\""), 5u);
   EXPECT_EQ(countOf(run.out, "data-drawn=\"no\""), 0u);
   EXPECT_THAT(run.out, Not(HasSubstr("<img")));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -145,4 +145,4 @@ TEST(LatestFrame, CloseEndsTheWaitForOnesTurn) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -11,19 +11,12 @@
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
 #include <pcl/io/lzf_image_io.h>
 #include <pcl/io/pcd_io.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
-#include <sstream>
 
 namespace facetloc::test {
-
-namespace fs = std::filesystem;
-using testing::HasSubstr;
 
 std::vector<std::string> liveCommand(const std::vector<std::string>& arguments, const std::string& display) {
   std::vector<std::string> command = {"/usr/bin/env"};
@@ -70,14 +63,11 @@ std::unique_ptr<TemporaryFolder> LiveTool::room_;
 
 void LiveTool::SetUpTestSuite() {
   room_ = std::make_unique<TemporaryFolder>();
-  const ToolRun run =
-      runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", "40", "--width", "320",
-                            "--drive.turn_deg", "3", "--drive.step", "0.05"});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  const ToolRun build = test::captured([](const Console& console) {
+  ok(runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", "40", "--width", "320",
+                           "--drive.turn_deg", "3", "--drive.step", "0.05"}));
+  ok(captured([](const Console& console) {
     return runMapTool({"build", *room_ / "map", "-o", map(), "--map.distance", "0.2"}, console);
-  });
-  ASSERT_EQ(build.code, kOk) << build.err;
+  }));
 }
 
 std::string LiveTool::writeClouds(std::size_t n) const {
@@ -117,23 +107,7 @@ std::string LiveTool::writePclzf(std::size_t n) const {
   return folder.string();
 }
 
-}  // namespace facetloc::test
-
-namespace facetloc {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::expectWholeResults;
-using test::lastLine;
-using test::linesOf;
-using test::LiveTool;
-using test::namesIn;
-using test::runLive;
-using test::runTool;
-using test::TemporaryFolder;
-using test::ToolRun;
-using testing::HasSubstr;
 
 // Slow enough for a busy machine, which would drop most of the frames otherwise.
 constexpr const char* kSlowly = "0.3";
@@ -141,20 +115,16 @@ constexpr const char* kSlowly = "0.3";
 TEST_F(LiveTool, PlaysASequenceAsACamera) {
   const std::string results = folder_ / "results";
   const ToolRun run =
-      runLive({"--device", sequence(), "--headless", "--results", results, "--speed", kSlowly});
-  EXPECT_EQ(run.code, kOk) << run.err;
+      ok(runLive({"--device", sequence(), "--headless", "--results", results, "--speed", kSlowly}));
   expectWholeResults(results, 5);
-  EXPECT_THAT(lastLine(run.out), HasSubstr(" frames received"));
-  EXPECT_THAT(lastLine(run.out), HasSubstr("segmenting 100.0 %"));
-  EXPECT_THAT(lastLine(run.out), HasSubstr(results));
+  EXPECT_THAT(lastLine(run.out), HasAll(" frames received", "segmenting 100.0 %", results));
   for (const ResultRow& row : readHypotheses(results)) EXPECT_EQ(row.rank, 0);
 }
 
 TEST_F(LiveTool, LocalizesInAMap) {
   const std::string results = folder_ / "results";
-  const ToolRun run = runLive(
-      {"--device", sequence(), "--map", map(), "--headless", "--results", results, "--speed", kSlowly});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  const ToolRun run = ok(runLive(
+      {"--device", sequence(), "--map", map(), "--headless", "--results", results, "--speed", kSlowly}));
   expectWholeResults(results, 5);
   const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
   const auto poses = readTumTrajectory(results + "/poses_tum.txt").poses();
@@ -175,57 +145,45 @@ TEST_F(LiveTool, LocalizesInAMap) {
 
 TEST_F(LiveTool, TakesItsOwnParameters) {
   const std::string results = folder_ / "results";
-  ASSERT_EQ(runLive({"--device", sequence(), "--map", map(), "--headless", "--results", results,
-                     "--max-frames", "2", "--localizer.odometry.key_distance", "0.4"})
-                .code,
-            kOk);
+  ok(runLive({"--device", sequence(), "--map", map(), "--headless", "--results", results, "--max-frames", "2",
+              "--localizer.odometry.key_distance", "0.4"}));
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("key_distance = 0.4"));
-  const ToolRun again = runLive(
-      {"--device", sequence(), "--headless", "--max-frames", "1", "--params", results + "/params.ini"});
-  EXPECT_EQ(again.code, kOk) << again.err;
+  ok(runLive(
+      {"--device", sequence(), "--headless", "--max-frames", "1", "--params", results + "/params.ini"}));
 }
 
 TEST_F(LiveTool, RecordsItsImages) {
   const std::string file = folder_ / "run.oni";
-  const ToolRun run = runLive({"--device", sequence(), "--headless", "--record", file});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("recorded to " + file));
+  EXPECT_THAT(ok(runLive({"--device", sequence(), "--headless", "--record", file})).err,
+              HasSubstr("recorded to " + file));
   const ToolRun played =
-      runLive({"--device", file, "--headless", "--results", folder_ / "played", "--speed", kSlowly});
-  EXPECT_EQ(played.code, kOk) << played.err;
+      ok(runLive({"--device", file, "--headless", "--results", folder_ / "played", "--speed", kSlowly}));
   expectWholeResults(folder_ / "played", 5);
 }
 
 TEST_F(LiveTool, OverwritesNoInputs) {
-  const std::string copy = folder_ / "copy", file = folder_ / "run.oni";
-  fs::copy(sequence(), copy, fs::copy_options::recursive);
+  const std::string copy = folder_.copyOf(sequence(), "copy"), file = folder_ / "run.oni";
   const auto names = namesIn(copy + "/depth");
-  const ToolRun shots = runLive({"--device", copy, "--headless", "--screenshots", copy + "/depth"});
-  EXPECT_EQ(shots.code, kUsage);
-  EXPECT_THAT(shots.err, HasSubstr("among the images"));
+  EXPECT_THAT(runLive({"--device", copy, "--headless", "--screenshots", copy + "/depth"}),
+              refuses("among the images"));
   EXPECT_EQ(namesIn(copy + "/depth"), names);
 
-  ASSERT_EQ(runLive({"--device", sequence(), "--headless", "--record", file, "--max-frames", "3"}).code, kOk);
+  ok(runLive({"--device", sequence(), "--headless", "--record", file, "--max-frames", "3"}));
   const std::string recorded = contentOf(file);
   for (const std::string& device : {file, sequence()}) {
-    const ToolRun again = runLive({"--device", device, "--headless", "--record", file});
-    EXPECT_EQ(again.code, kFailed);
-    EXPECT_THAT(again.err, HasSubstr(file + ": exists already"));
+    EXPECT_THAT(runLive({"--device", device, "--headless", "--record", file}),
+                fails(file + ": exists already"));
     EXPECT_TRUE(contentOf(file) == recorded);
   }
 }
 
 TEST_F(LiveTool, NamesFaultsOfFiles) {
-  const ToolRun map_run = runLive({"--device", sequence(), "--map", folder_ / "no.flmap", "--headless"});
-  EXPECT_EQ(map_run.code, kFailed);
-  EXPECT_THAT(map_run.err, HasSubstr("no.flmap"));
-  const ToolRun camera = runLive({"--device", sequence(), "--camera", folder_ / "no.ini", "--headless"});
-  EXPECT_EQ(camera.code, kFailed);
-  EXPECT_THAT(camera.err, HasSubstr("no.ini"));
+  EXPECT_THAT(runLive({"--device", sequence(), "--map", folder_ / "no.flmap", "--headless"}),
+              fails("no.flmap"));
+  EXPECT_THAT(runLive({"--device", sequence(), "--camera", folder_ / "no.ini", "--headless"}),
+              fails("no.ini"));
   fs::create_directories(folder_ / "empty");
-  const ToolRun empty = runLive({"--device", folder_ / "empty", "--headless"});
-  EXPECT_EQ(empty.code, kFailed);
-  EXPECT_THAT(empty.err, HasSubstr("empty"));
+  EXPECT_THAT(runLive({"--device", folder_ / "empty", "--headless"}), fails("empty"));
 }
 
 TEST(LiveApp, RefusesSenselessOptions) {
@@ -236,15 +194,14 @@ TEST(LiveApp, RefusesSenselessOptions) {
 }
 
 TEST(LiveApp, HelpListsTheKeys) {
-  const ToolRun run = runTool<LiveApp>({"--help"});
-  EXPECT_EQ(run.code, kOk);
+  const ToolRun run = ok(runTool<LiveApp>({"--help"}));
   for (const char* key : {"screenshot", "record", "pause", "relocalize", "quit"})
     EXPECT_THAT(run.out, HasSubstr(key));
 }
 
 /** Recordings of real sensors lie next to the checkout, or where the environment says. */
 TEST(LiveApp, PlaysRealRecordings) {
-  const fs::path folder = test::dataFolder("oni");
+  const fs::path folder = dataFolder("oni");
   if (!fs::is_directory(folder)) GTEST_SKIP() << folder << " is not there";
   TemporaryFolder results;
   int recordings = 0;
@@ -260,4 +217,4 @@ TEST(LiveApp, PlaysRealRecordings) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

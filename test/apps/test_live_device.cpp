@@ -2,28 +2,11 @@
 // Devices that are missing, come later or send nothing.
 #include "live_tool.h"
 
-#include <gmock/gmock.h>
-
-#include <chrono>
-#include <csignal>
-#include <filesystem>
-#include <thread>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
-using test::eventually;
-using test::expectWholeResults;
-using test::kPatience;
-using test::lastLine;
-using test::LiveProcess;
-using test::LiveTool;
-using test::runLive;
-using test::ToolRun;
-using testing::HasSubstr;
 
 TEST_F(LiveTool, SaysThatADeviceIsMissing) {
   const auto start = Clock::now();
@@ -31,12 +14,8 @@ TEST_F(LiveTool, SaysThatADeviceIsMissing) {
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("facetloc_live: vanished://camera"));
   EXPECT_LT(Clock::now() - start, kPatience / 2);
-  const ToolRun file = runLive({"--device", folder_ / "nothing.oni", "--headless"});
-  EXPECT_EQ(file.code, kFailed);
-  EXPECT_THAT(file.err, HasSubstr("nothing.oni"));
-  const ToolRun relative = runLive({"--device", "runs/mistyped", "--headless"});
-  EXPECT_EQ(relative.code, kFailed);
-  EXPECT_THAT(relative.err, HasSubstr("runs/mistyped: does not exist"));
+  EXPECT_THAT(runLive({"--device", folder_ / "nothing.oni", "--headless"}), fails("nothing.oni"));
+  EXPECT_THAT(runLive({"--device", "runs/mistyped", "--headless"}), fails("runs/mistyped: does not exist"));
 }
 
 TEST_F(LiveTool, WaitsForADeviceUntilStopped) {
@@ -44,16 +23,13 @@ TEST_F(LiveTool, WaitsForADeviceUntilStopped) {
   ASSERT_TRUE(eventually([&] { return process.err().find("waiting for it") != std::string::npos; }));
   std::this_thread::sleep_for(2500ms);  // it looks again, and says nothing
   process.signal(SIGINT);
-  const ToolRun run = process.wait();
-  EXPECT_EQ(run.code, kOk);
+  const ToolRun run = ok(process.wait());
   EXPECT_EQ(run.err.find("waiting"), run.err.rfind("waiting")) << run.err;
 }
 
 TEST_F(LiveTool, WaitsForADeviceForALimitedTime) {
   const auto start = Clock::now();
-  const ToolRun run =
-      runLive({"--device", folder_ / "never.oni", "--headless", "--wait", "--duration", "1.5"});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  ok(runLive({"--device", folder_ / "never.oni", "--headless", "--wait", "--duration", "1.5"}));
   EXPECT_GE(Clock::now() - start, 1500ms);
 }
 
@@ -73,7 +49,7 @@ TEST_F(LiveTool, SaysThatNoFrameComes) {
   LiveProcess patient(arguments);
   ASSERT_TRUE(eventually([&] { return patient.err().find("waiting for it") != std::string::npos; }));
   patient.signal(SIGINT);
-  EXPECT_EQ(patient.wait().code, kOk);
+  ok(patient.wait());
 }
 
 TEST_F(LiveTool, FindsADeviceThatComesLater) {
@@ -81,14 +57,11 @@ TEST_F(LiveTool, FindsADeviceThatComesLater) {
   LiveProcess process({"--device", folder, "--headless", "--wait"});
   ASSERT_TRUE(eventually([&] { return process.err().find("waiting for it") != std::string::npos; }));
   // A recording in the place where it is waited for.
-  const ToolRun record =
-      runLive({"--device", sequence(), "--headless", "--record", folder_ / "new.oni", "--max-frames", "3"});
-  ASSERT_EQ(record.code, kOk) << record.err;
+  ok(runLive({"--device", sequence(), "--headless", "--record", folder_ / "new.oni", "--max-frames", "3"}));
   fs::rename(folder_ / "new.oni", folder);
-  const ToolRun run = process.wait();
-  EXPECT_EQ(run.code, kOk) << run.err;
+  const ToolRun run = ok(process.wait());
   EXPECT_THAT(lastLine(run.out), HasSubstr("segmenting 100.0 %"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

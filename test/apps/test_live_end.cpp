@@ -5,38 +5,21 @@
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
 
-#include <gmock/gmock.h>
-
-#include <chrono>
-#include <csignal>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
-using test::eventually;
-using test::expectWholeResults;
-using test::lastLine;
-using test::linesOf;
-using test::LiveProcess;
-using test::LiveTool;
-using test::runLive;
-using test::ToolRun;
-using testing::HasSubstr;
 
 TEST_F(LiveTool, EndsAfterTheGivenFrames) {
   const std::string results = folder_ / "results";
-  const ToolRun run =
-      runLive({"--device", sequence(), "--headless", "--results", results, "--max-frames", "5", "--repeat"});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  ok(runLive({"--device", sequence(), "--headless", "--results", results, "--max-frames", "5", "--repeat"}));
   EXPECT_EQ(readHypotheses(results).size(), 5u);
 }
 
 TEST_F(LiveTool, EndsAfterTheGivenTime) {
   const auto start = Clock::now();
-  const ToolRun run = runLive({"--device", sequence(), "--headless", "--duration", "0.5", "--repeat"});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  ok(runLive({"--device", sequence(), "--headless", "--duration", "0.5", "--repeat"}));
   EXPECT_GE(Clock::now() - start, 500ms);
 }
 
@@ -47,8 +30,7 @@ TEST_F(LiveTool, CtrlCEndsInPeaceAndLosesNothing) {
         {"--device", sequence(), "--map", map(), "--headless", "--repeat", "--results", results});
     ASSERT_TRUE(eventually([&] { return linesOf(results + "/states.csv").size() > 5; }));
     process.signal(number);
-    const ToolRun run = process.wait();
-    EXPECT_EQ(run.code, kOk) << run.err;
+    const ToolRun run = ok(process.wait());
     EXPECT_THAT(lastLine(run.out), HasSubstr("processed"));
     expectWholeResults(results, 5);
   }
@@ -66,4 +48,4 @@ TEST_F(LiveTool, AKilledRunHasLostNothing) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

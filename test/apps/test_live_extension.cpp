@@ -10,20 +10,10 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <json/json.h>
-#include <sstream>
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::Not;
 
 FrameResult sureAt(double x, AnswerState state = AnswerState::sure) {
   FrameResult frame;
@@ -113,10 +103,9 @@ protected:
     for (const char* name : {"camera.ini", "groundtruth.txt"})
       fs::copy_file(fs::path(sequence()) / name, part / name);
     const std::string made = folder_ / "begin.flmap";
-    const ToolRun build = captured([&](const Console& console) {
+    ok(captured([&](const Console& console) {
       return runMapTool({"build", part.string(), "-o", made, "--map.distance", "0.2"}, console);
-    });
-    EXPECT_EQ(build.code, kOk) << build.err;
+    }));
     return made;
   }
   std::vector<std::string> extend(const std::string& map_file, const char* speed) const {

@@ -7,33 +7,16 @@
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
 
-#include <gmock/gmock.h>
-
-#include <algorithm>
-#include <csignal>
-#include <filesystem>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::eventually;
-using test::expectWholeResults;
-using test::linesOf;
-using test::LiveProcess;
-using test::LiveTool;
-using test::runLive;
-using test::ToolRun;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 std::string stateOf(const std::string& map) { return readMap(map).meta.at("state"); }
 
 TEST_F(LiveTool, MakesAMapInWhichTheCameraIsFound) {
   const std::string made = folder_ / "made.flmap", results = folder_ / "results", again = folder_ / "again";
-  const ToolRun run = runLive({"--device", sequence(), "--headless", "--build", made, "--results", results});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("mapping"));
-  EXPECT_THAT(run.out, HasSubstr("map in " + made));
+  const ToolRun run =
+      ok(runLive({"--device", sequence(), "--headless", "--build", made, "--results", results}));
+  EXPECT_THAT(run.out, HasAll("mapping", "map in " + made));
   expectWholeResults(results, 20);
   EXPECT_THAT(checkMap(made), IsEmpty());
   EXPECT_EQ(stateOf(made), "whole");
@@ -50,7 +33,7 @@ TEST_F(LiveTool, MakesAMapInWhichTheCameraIsFound) {
     EXPECT_LT((T.translation() - trueAt(model.stamp).translation()).norm(), 0.1) << model.name;
   }
 
-  EXPECT_EQ(runLive({"--device", sequence(), "--headless", "--map", made, "--results", again}).code, kOk);
+  ok(runLive({"--device", sequence(), "--headless", "--map", made, "--results", again}));
   const auto found = readTumTrajectory(again + "/poses_tum.txt").poses();
   EXPECT_GE(found.size(), 20u);
   for (const StampedPose& pose : found) {
@@ -62,18 +45,13 @@ TEST_F(LiveTool, MakesAMapInWhichTheCameraIsFound) {
 TEST_F(LiveTool, LeavesAMapAloneUnlessItIsToBeReplaced) {
   const std::string made = folder_ / "made.flmap";
   const auto build = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"--device", sequence(), "--headless", "--build",
-                                          made,       "--speed",  "4"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return runLive(arguments);
+    return runLive(Arguments{"--device", sequence(), "--headless", "--build", made, "--speed", "4"} + more);
   };
-  ASSERT_EQ(build({}).code, kOk);
-  const std::string before = test::contentOf(made);
-  const ToolRun refused = build({});
-  EXPECT_EQ(refused.code, kFailed);
-  EXPECT_THAT(refused.err, HasSubstr("exists already; --overwrite replaces it"));
-  EXPECT_EQ(test::contentOf(made), before);
-  EXPECT_EQ(build({"--overwrite"}).code, kOk);
+  ok(build({}));
+  const std::string before = contentOf(made);
+  EXPECT_THAT(build({}), fails("exists already; --overwrite replaces it"));
+  EXPECT_EQ(contentOf(made), before);
+  ok(build({"--overwrite"}));
   EXPECT_THAT(checkMap(made), IsEmpty());
   EXPECT_EQ(build({"--map", map()}).code, kUsage);
 }
@@ -84,8 +62,7 @@ TEST_F(LiveTool, AMapWhoseMakerIsStoppedIsWhole) {
       {"--device", sequence(), "--headless", "--repeat", "--build", made, "--results", results});
   ASSERT_TRUE(eventually([&] { return linesOf(results + "/states.csv").size() > 20; }));
   process.signal(SIGINT);
-  const ToolRun run = process.wait();
-  EXPECT_EQ(run.code, kOk) << run.err;
+  ok(process.wait());
   EXPECT_THAT(checkMap(made), IsEmpty());
   EXPECT_EQ(stateOf(made), "whole");
   EXPECT_GE(readMap(made).models.size(), 2u);
@@ -104,4 +81,4 @@ TEST_F(LiveTool, AMapWhoseMakerIsKilledIsSound) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

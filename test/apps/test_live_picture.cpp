@@ -9,19 +9,11 @@
 #include "live/live_window.h"
 #include "tool_runner.h"
 
-#include <gmock/gmock.h>
 #include <vtkNew.h>
 #include <vtkRenderWindow.h>
 
-#include <algorithm>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ExampleScene;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 const Eigen::Isometry3d kPose = ExampleScene::pose(0.2, 0.15, -4);
 
@@ -94,7 +86,7 @@ TEST_F(LivePictureTest, IsTheSameForTheSameFrameWhateverWasDrawnBefore) {
   later.age_ms = later.segment_ms = 50;
   later.received = later.dropped = 1000;
   EXPECT_TRUE(second.draw(later).data == expected.data);
-  test::expectLikeGolden("live", expected);
+  expectLikeGolden("live", expected);
 
   const LiveResult lost = exampleResult(TrackingState::lost);
   EXPECT_TRUE(LiveScreenshot(exampleMap()).draw(lost).data == second.draw(lost).data);
@@ -104,7 +96,7 @@ TEST_F(LivePictureTest, DrawsWithoutAMapAndWithoutAnything) {
   LiveResult result = exampleResult(TrackingState::searching);
   result.answer.reset();
   LiveScreenshot screenshot(nullptr);
-  test::expectLikeGolden("live_segmenting", screenshot.draw(result));
+  expectLikeGolden("live_segmenting", screenshot.draw(result));
 
   LiveResult blind;
   blind.image.depth.camera = {160, 120, 140, 140, 79.5, 59.5};
@@ -146,7 +138,7 @@ Eigen::AlignedBox2i changesOf(const Raster<std::uint8_t>& a, const Raster<std::u
   Eigen::AlignedBox2i box;
   for (int v = 0; v < a.height; ++v)
     for (int u = 0; u < a.width; ++u)
-      if (test::pixelDifference(a, u, v, b, u, v) > 0) box.extend(Eigen::Vector2i(u, v));
+      if (pixelDifference(a, u, v, b, u, v) > 0) box.extend(Eigen::Vector2i(u, v));
   return box;
 }
 
@@ -255,7 +247,7 @@ TEST(LiveKeys, AreAllExplained) {
 }
 
 TEST(LiveResults, GiveAPoseWhereItIsCertain) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder / "results";
   LiveResults results(path, "width = 320\n");
   EXPECT_TRUE(readHypotheses(path).empty()) << "there from the begin";
@@ -273,11 +265,11 @@ TEST(LiveResults, GiveAPoseWhereItIsCertain) {
   ASSERT_TRUE(rows[1].T_w_c);
   EXPECT_LT((rows[1].T_w_c->translation() - kPose.translation()).norm(), 1e-6);
   EXPECT_THAT(rows[3].reason, HasSubstr("cannot tell: nothing in view fixes"));
-  EXPECT_THAT(test::contentOf(path + "/states.csv"), HasSubstr("12.500000,12.500000,tracking,,0,0,0.000\n"));
+  EXPECT_THAT(contentOf(path + "/states.csv"), HasSubstr("12.500000,12.500000,tracking,,0,0,0.000\n"));
 }
 
 TEST(LiveResults, GiveAPoseThatIsCarriedOnWhereTheMapShowsNothing) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   LiveResult result = exampleResult(TrackingState::tracking);
   result.answer->hypotheses.front().pairs.clear();
   LiveResults(folder / "results", "")
@@ -296,4 +288,4 @@ TEST(LiveResults, GiveAPoseThatIsCarriedOnWhereTheMapShowsNothing) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -7,19 +7,10 @@
 #include <facetloc/io/results.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
-#include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <json/json.h>
-#include <sstream>
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using testing::HasSubstr;
 
 /** Through a shell, as a user types it. */
 std::vector<std::string> shell(const std::string& line) { return {"/bin/sh", "-c", line}; }

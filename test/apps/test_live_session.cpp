@@ -5,7 +5,6 @@
 
 #include <facetloc/testing/synthetic_views.h>
 
-#include <gmock/gmock.h>
 #include <pcl/io/image_depth.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -13,15 +12,11 @@
 #include <condition_variable>
 #include <deque>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 using namespace std::chrono_literals;
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-using test::eventually;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Key;
 
 /** A pcl::Grabber that delivers the frames of a test. */
 class FakeGrabber : public pcl::Grabber {
@@ -106,14 +101,14 @@ private:
   std::vector<LiveResultPtr> results_;
 };
 
-const Eigen::Isometry3d kFirstPose = test::lookingAlong({1, 1.5, 1.2}, {1, 0.7, -0.2});
+const Eigen::Isometry3d kFirstPose = lookingAlong({1, 1.5, 1.2}, {1, 0.7, -0.2});
 
 /** The camera goes slowly to the right. */
 Eigen::Isometry3d poseAt(int frame) { return kFirstPose * Eigen::Translation3d(0.01 * frame, 0, 0); }
 
 DepthImage imageAt(int frame) {
-  const DepthImage image = test::render(test::largeRoom(), test::smallCamera(), poseAt(frame)).image;
-  return test::noisy(image, SensorNoise{}.inverse_depth_std, static_cast<unsigned>(frame));
+  const DepthImage image = render(largeRoom(), smallCamera(), poseAt(frame)).image;
+  return noisy(image, SensorNoise{}.inverse_depth_std, static_cast<unsigned>(frame));
 }
 
 std::shared_ptr<const Map> mapOfTheRoom() {
@@ -122,7 +117,7 @@ std::shared_ptr<const Map> mapOfTheRoom() {
     const Eigen::Isometry3d T_w_m = kFirstPose * Eigen::Translation3d(0.15 * i, 0, 0) *
                                     Eigen::AngleAxisd(0.05 * i, Eigen::Vector3d::UnitY());
     map->models.emplace_back("model " + std::to_string(i), 0, T_w_m,
-                             test::viewFrom(test::largeRoom(), T_w_m, 1000u + static_cast<unsigned>(i)));
+                             viewFrom(largeRoom(), T_w_m, 1000u + static_cast<unsigned>(i)));
   }
   return map;
 }
@@ -164,7 +159,7 @@ TEST_F(LiveSessionTest, SegmentsWithoutAMap) {
     EXPECT_GE(r.image.view.segments.size(), 5u);
     EXPECT_EQ(r.image.labels.maxLabel(), static_cast<int>(r.image.view.segments.size()));
     EXPECT_NEAR(r.stamp, 100 + static_cast<double>(i) / 30, 1e-5);
-    EXPECT_NEAR(r.image.depth.camera.fx, test::smallCamera().fx, 0.5);
+    EXPECT_NEAR(r.image.depth.camera.fx, smallCamera().fx, 0.5);
     EXPECT_EQ(r.dropped, 0u);
   }
   EXPECT_EQ(results[0]->image.name, "100.000000");
@@ -332,11 +327,11 @@ TEST(ConnectFrames, CountsTimeWhereCloudsHaveNone) {
 TEST(ConnectFrames, TheGivenCameraGoesFirst) {
   FakeGrabber grabber;
   LiveFrame last;
-  Intrinsics twice = test::smallCamera();
+  Intrinsics twice = smallCamera();
   twice = {640, 480, 2 * twice.fx, 2 * twice.fy, 2 * twice.cx, 2 * twice.cy};
   connectFrames(grabber, twice, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
   grabber.deliver(cloudOf(imageAt(0), 1));
-  EXPECT_EQ(last.image().camera, test::smallCamera());
+  EXPECT_EQ(last.image().camera, smallCamera());
 
   FakeGrabber other;
   connectFrames(other, Intrinsics{100, 100, 50, 50, 50, 50}, countedStamps(30),
@@ -351,7 +346,7 @@ TEST(ConnectFrames, ImagesOfAWrongLengthAreRefused) {
   LiveFrame last;
   connectFrames(camera, {}, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
   camera.deliver(std::vector<std::uint16_t>(12, 1500));
-  EXPECT_THAT(last.image().depth, testing::Each(1.5f));
+  EXPECT_THAT(last.image().depth, Each(1.5f));
   for (const std::size_t pixels : {0, 11, 13, 100000}) {
     camera.deliver(std::vector<std::uint16_t>(pixels, 1500));
     EXPECT_THROW(last.image(), std::runtime_error) << pixels;
@@ -371,4 +366,4 @@ TEST(ConnectFrames, AnImageWithoutDepthIsNoError) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -2,18 +2,13 @@
 #include "cli/stop_signal.h"
 #include "live/live_status.h"
 
-#include <gmock/gmock.h>
+#include <facetloc/testing/matchers.h>
 
 #include <sstream>
 #include <thread>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
 
 LiveResult trackedResult(TrackingState state, const std::string& reason) {
   LiveResult result;
@@ -34,11 +29,10 @@ TEST(LiveStatus, ShowsStateAndPlaceOnATerminal) {
   const Console console{out, err, true, false, {}};
   LiveStatus status(console);
   status.show(trackedResult(TrackingState::tracking, ""), 29.96);
-  EXPECT_THAT(err.str(), AllOf(HasSubstr("tracking"), HasSubstr("1.23 -2.00 0.50 m"), HasSubstr("30.0/s"),
-                               HasSubstr("3 of 12 dropped")));
+  EXPECT_THAT(err.str(), HasAll("tracking", "1.23 -2.00 0.50 m", "30.0/s", "3 of 12 dropped"));
   err.str("");
   status.show(trackedResult(TrackingState::degenerate, "free: x"), 30);
-  EXPECT_THAT(err.str(), AllOf(HasSubstr("cannot tell: free: x"), Not(HasSubstr("1.23"))));
+  EXPECT_THAT(err.str(), HasAll("cannot tell: free: x", Not(HasSubstr("1.23"))));
   err.str("");
   status.clear();
   status.clear();
@@ -59,8 +53,7 @@ TEST(LiveStatus, ShowsTimes) {
   LiveResult result = trackedResult(TrackingState::tracking, "");
   result.segment_ms = 5.14;
   result.localize_ms = 9.06;
-  EXPECT_THAT(timesText(result, 30), AllOf(HasSubstr("segmentation 5.1 ms"), HasSubstr("localization 9.1 ms"),
-                                           HasSubstr("3 of 12 dropped")));
+  EXPECT_THAT(timesText(result, 30), HasAll("segmentation 5.1 ms", "localization 9.1 ms", "3 of 12 dropped"));
   result.answer.reset();
   EXPECT_THAT(timesText(result, 30), Not(HasSubstr("localization")));
   EXPECT_EQ(stateText(result), "segmenting");
@@ -106,4 +99,4 @@ TEST(StopSignal, LeavesHandlersAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

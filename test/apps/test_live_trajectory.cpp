@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_trajectory.h"
 
-#include <gmock/gmock.h>
+#include <facetloc/testing/matchers.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::SizeIs;
 
 TEST(LiveTrajectory, KeepsNoMorePointsThanNeeded) {
   LiveTrajectory trajectory;
@@ -49,4 +47,4 @@ TEST(LiveTrajectory, LongOnesGetCoarser) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -5,34 +5,12 @@
 #include "keyboard.h"  // the last one, because of the macros of X
 #include "live_tool.h"
 
-#include <gmock/gmock.h>
-
-#include <chrono>
-#include <csignal>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
-#include <thread>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using test::contentOf;
-using test::eventually;
-using test::lastLine;
-using test::liveCommand;
-using test::LiveProcess;
-using test::LiveTool;
-using test::namesIn;
-using test::runLive;
-using test::ToolRun;
-using testing::AllOf;
-using testing::Each;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
 
 TEST_F(LiveTool, TheSameFrameGivesTheSamePicture) {
   if (!OffscreenDisplay().available()) GTEST_SKIP() << OffscreenDisplay().problem();
@@ -41,8 +19,7 @@ TEST_F(LiveTool, TheSameFrameGivesTheSamePicture) {
   for (const char* run_name : {"first", "second"}) {
     const std::string shots = folder_ / run_name;
     const ToolRun run =
-        runLive({"--device", sequence(), "--headless", "--screenshots", shots, "--every", "1"});
-    ASSERT_EQ(run.code, kOk) << run.err;
+        ok(runLive({"--device", sequence(), "--headless", "--screenshots", shots, "--every", "1"}));
     const auto names = namesIn(shots);
     EXPECT_THAT(lastLine(run.out), HasSubstr(counted(names.size(), "screenshot") + " in " + shots));
     for (const std::string& name : names) {
@@ -66,11 +43,10 @@ TEST_F(LiveTool, LeavesOutNoScreenshotOfAFile) {
                                           map(),      "--screenshots", shots,        "--every",
                                           "1",        "--speed",       "4"};
     if (every_frame) arguments.push_back("--every-frame");
-    const ToolRun run = runLive(arguments);
-    ASSERT_EQ(run.code, kOk) << run.err;
+    const ToolRun run = ok(runLive(arguments));
     const auto pictures = namesIn(shots).size();
-    EXPECT_THAT(lastLine(run.out), HasSubstr(" " + std::to_string(pictures) + " processed"));
-    EXPECT_THAT(lastLine(run.out), Not(HasSubstr("left out")));
+    EXPECT_THAT(lastLine(run.out),
+                HasAll(" " + std::to_string(pictures) + " processed", Not(HasSubstr("left out"))));
     if (every_frame) {
       EXPECT_EQ(pictures, 40u);
     }
@@ -78,27 +54,22 @@ TEST_F(LiveTool, LeavesOutNoScreenshotOfAFile) {
 }
 
 TEST_F(LiveTool, NeedsNoDisplayWithoutPictures) {
-  const ToolRun run = runLive({"--device", sequence(), "--headless", "--max-frames", "1"});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, IsEmpty());
+  EXPECT_THAT(ok(runLive({"--device", sequence(), "--headless", "--max-frames", "1"})).err, IsEmpty());
 }
 
 TEST_F(LiveTool, SaysThatAWindowNeedsADisplay) {
-  const ToolRun run = runLive({"--device", sequence()});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("--headless"));
+  EXPECT_THAT(runLive({"--device", sequence()}), fails("--headless"));
 }
 
 TEST_F(LiveTool, ShowsAWindow) {
   const OffscreenDisplay display;
   if (!display.available()) GTEST_SKIP() << display.problem();
   LiveProcess process({"--device", sequence(), "--map", map(), "--duration", "2"}, std::getenv("DISPLAY"));
-  const ToolRun run = process.wait();
-  EXPECT_EQ(run.code, kOk) << run.err;
+  const ToolRun run = ok(process.wait());
   EXPECT_THAT(lastLine(run.out), HasSubstr("tracking"));
 }
 
-bool press(KeySym key) { return test::Keyboard().press(key, "facetloc_live"); }
+bool press(KeySym key) { return Keyboard().press(key, "facetloc_live"); }
 
 /** Shows a device in a window, with that working directory, and presses q in the end. \param play gets the
  * process before that. */
@@ -107,7 +78,7 @@ ToolRun runWithKeys(const std::string& device, const std::string& folder, const 
   std::vector<std::string> command =
       liveCommand({"--device", device, "--repeat", "--every", "1"}, std::getenv("DISPLAY"));
   command.insert(command.begin() + 1, "--chdir=" + folder);
-  test::Process process(command);
+  Process process(command);
   play(process);
   EXPECT_TRUE(eventually([] { return press(XK_q); }));
   return process.wait();
@@ -116,12 +87,11 @@ ToolRun runWithKeys(const std::string& device, const std::string& folder, const 
 TEST_F(LiveTool, MakesNoScreenshotsButThoseOfTheKey) {
   const OffscreenDisplay display;
   if (!display.available()) GTEST_SKIP() << display.problem();
-  const ToolRun run = runWithKeys(sequence(), folder_ / "", [](const test::Process& process) {
+  ok(runWithKeys(sequence(), folder_ / "", [](const Process& process) {
     ASSERT_TRUE(
         eventually([&] { return press(XK_s) && process.err().find("screenshot") != std::string::npos; }));
     std::this_thread::sleep_for(1s);  // frames without a picture
-  });
-  EXPECT_EQ(run.code, kOk) << run.err;
+  }));
   EXPECT_THAT(namesIn(folder_ / ""), AllOf(Not(IsEmpty()), Each(HasSubstr("live_"))));
 }
 
@@ -129,12 +99,13 @@ TEST_F(LiveTool, GoesOnAfterAKeyThatCannotBeObeyed) {
   const OffscreenDisplay display;
   if (!display.available()) GTEST_SKIP() << display.problem();
   for (const std::string& name : namesIn(sequence() + "/depth"))
-    test::writeContent(folder_ / ("live_" + name), "none of our pictures");
-  const ToolRun run = runWithKeys(sequence(), folder_ / "", [](const test::Process& process) {
-    ASSERT_TRUE(eventually([&] { return press(XK_s) && !process.err().empty(); }));
-  });
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("would overwrite"));
+    writeContent(folder_ / ("live_" + name), "none of our pictures");
+  EXPECT_THAT(ok(runWithKeys(sequence(), folder_ / "",
+                             [](const Process& process) {
+                               ASSERT_TRUE(eventually([&] { return press(XK_s) && !process.err().empty(); }));
+                             }))
+                  .err,
+              HasSubstr("would overwrite"));
 }
 
 TEST_F(LiveTool, CtrlCDoesNotReachThePrivateDisplay) {
@@ -144,10 +115,9 @@ TEST_F(LiveTool, CtrlCDoesNotReachThePrivateDisplay) {
                        "5", "--results", results});
   ASSERT_TRUE(eventually([&] { return fs::exists(shots) && namesIn(shots).size() > 1; }));
   process.signal(SIGINT);
-  const ToolRun run = process.wait();
-  EXPECT_EQ(run.code, kOk) << run.err;
+  ok(process.wait());
   for (const std::string& name : namesIn(shots)) EXPECT_THAT(name, Not(HasSubstr("tmp")));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

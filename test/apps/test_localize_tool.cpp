@@ -12,31 +12,14 @@
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/full_disk.h>
 
-#include <gmock/gmock.h>
-
-#include <fstream>
 #include <optional>
 #include <set>
-#include <sstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::filesOf;
-using test::kFrames;
-using test::kReplace;
-using test::runMap;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-
 TEST_F(Tools, MapImagesAreFoundInTheirMap) {
-  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "results"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "results"}));
   const auto rows = readHypotheses(folder_ / "results");
   const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
   const Evaluation evaluation = evaluate(rows, truth, {}, {});
@@ -50,17 +33,16 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
   for (LocalModel& model : bare.models) model.T_w_m.reset();
   writeMap(folder_ / "bare.flmap", bare);
   const auto sureIn = [&](const std::string& map, const std::string& results) {
-    EXPECT_EQ(runTool<LocalizeApp>({map, query(), "-o", folder_ / results}).code, kOk);
+    ok(runTool<LocalizeApp>({map, query(), "-o", folder_ / results}));
     return readTumTrajectory(folder_ / (results + "/poses_tum.txt")).poses().size();
   };
   const std::size_t with_poses = sureIn(map(), "posed");
   EXPECT_GT(with_poses, 0u);
   EXPECT_GE(static_cast<double>(sureIn(folder_ / "bare.flmap", "bare")),
             0.95 * static_cast<double>(with_poses));
-  const ToolRun judged =
-      runTool<EvaluateApp>({folder_ / "bare", query() + "/groundtruth.txt", "--map", folder_ / "bare.flmap"});
-  EXPECT_EQ(judged.code, kFailed);
-  EXPECT_THAT(judged.err, HasSubstr("no world poses"));
+  EXPECT_THAT(
+      runTool<EvaluateApp>({folder_ / "bare", query() + "/groundtruth.txt", "--map", folder_ / "bare.flmap"}),
+      fails("no world poses"));
 
   bare.links.erase(bare.links.begin() + static_cast<std::ptrdiff_t>(bare.links.size() / 2));
   writeMap(folder_ / "parts.flmap", bare);
@@ -74,23 +56,16 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
 }
 
 TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
-  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "a", "--probability.map_incomplete",
-                                  "0.1", "--calibration.probability.null_score", "-5", "--width=160"})
-                .code,
-            kOk);
-  ASSERT_EQ(
-      runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"})
-          .code,
-      kOk);
+  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "a", "--probability.map_incomplete", "0.1",
+                           "--calibration.probability.null_score", "-5", "--width=160"}));
+  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"}));
   EXPECT_EQ(contentOf(folder_ / "a/params.ini"), contentOf(folder_ / "b/params.ini"));
   EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
 }
 
 TEST_F(Tools, AMapThatIsSaidToCoverAllNeedsLessEvidence) {
   const auto localized = [&](const std::string& name, const std::vector<std::string>& options) {
-    std::vector<std::string> arguments = {map(), firstImage(), "-o", folder_ / name};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    return runTool<LocalizeApp>(arguments).code;
+    return runTool<LocalizeApp>(Arguments{map(), firstImage(), "-o", folder_ / name} + options).code;
   };
   const auto not_in_map = [&](const std::string& name) {
     return readHypotheses(folder_ / name).front().not_in_map;
@@ -109,10 +84,10 @@ TEST_F(Tools, AMapThatIsSaidToCoverAllNeedsLessEvidence) {
 
 TEST_F(Tools, ThePapersMethodFindsPlaces) {
   const std::string map = folder_ / "paper.flmap", results = folder_ / "paper";
-  ASSERT_EQ(runMap({"build", map_run(), "-o", map, "--preset", "paper"}).code, kOk);
-  ASSERT_EQ(runTool<LocalizeApp>({map, query(), "-o", results, "--preset", "paper"}).code, kOk);
+  ok(runMap({"build", map_run(), "-o", map, "--preset", "paper"}));
+  ok(runTool<LocalizeApp>({map, query(), "-o", results, "--preset", "paper"}));
   EXPECT_THAT(contentOf(fs::path(results) / "params.ini"),
-              AllOf(HasSubstr("max_expansions = 1000"), HasSubstr("max_hypotheses = 20")));
+              HasAll("max_expansions = 1000", "max_hypotheses = 20"));
   const Summary all = summarize(
       "", evaluate(readHypotheses(results), readTumTrajectory(query() + "/groundtruth.txt"), {}, {}).frames);
   EXPECT_EQ(all.none, 0u);
@@ -122,9 +97,7 @@ TEST_F(Tools, ThePapersMethodFindsPlaces) {
 TEST_F(Tools, ADriveIsLocalizedAsOne) {
   const auto run = [&](const std::string& threads) {
     const fs::path results = folder_ / ("drive" + threads);
-    const ToolRun localized =
-        runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--threads", threads});
-    EXPECT_EQ(localized.code, kOk) << localized.err;
+    ok(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--threads", threads}));
     return results;
   };
   const fs::path once = run("1"), again = run("2");
@@ -138,17 +111,14 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
     EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   }
   EXPECT_GE(sure, kFrames / 3);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "alone"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "alone"}));
   EXPECT_EQ(readHypotheses(once).front().state, readHypotheses(folder_ / "alone").front().state)
       << "a drive begins as sure as its first image";
 }
 
 TEST_F(Tools, ADriveIsAlsoLocalizedByItsLaterImages) {
   const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> words = {map(), map_run(), "-o", folder_ / name, "--sequence"};
-    words.insert(words.end(), more.begin(), more.end());
-    const ToolRun localized = runTool<LocalizeApp>(words);
-    EXPECT_EQ(localized.code, kOk) << localized.err;
+    ok(runTool<LocalizeApp>(Arguments{map(), map_run(), "-o", folder_ / name, "--sequence"} + more));
     return folder_ / name;
   };
   const std::string filtered = run("filtered", {}), smoothed = run("smoothed", {"--smooth"});
@@ -164,9 +134,8 @@ TEST_F(Tools, ADriveIsAlsoLocalizedByItsLaterImages) {
 }
 
 TEST_F(Tools, ADriveSaysWhenItIsFirstSureAndWhyNotBefore) {
-  const ToolRun run = runTool<LocalizeApp>(
-      {map(), map_run(), "-o", folder_ / "drive", "--sequence", "--min-probability", "0.999"});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  const ToolRun run = ok(runTool<LocalizeApp>(
+      {map(), map_run(), "-o", folder_ / "drive", "--sequence", "--min-probability", "0.999"}));
   std::vector<std::string> frames;
   std::size_t first_sure = 0;
   for (const ResultRow& row : readHypotheses(folder_ / "drive")) {
@@ -184,10 +153,8 @@ TEST_F(Tools, ParametersOfADriveCanBeUsedAgain) {
       map(),        map_run(),           "-o",   folder_ / "a",
       "--sequence", "--min-probability", "0.95", "--localizer.look_distance",
       "0.2"};
-  ASSERT_EQ(runTool<LocalizeApp>(drive).code, kOk);
-  const ToolRun again =
-      runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"});
-  ASSERT_EQ(again.code, kOk) << again.err;
+  ok(runTool<LocalizeApp>(drive));
+  ok(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"}));
   for (const char* file : {"params.ini", "hypotheses.csv", "poses_tum.txt", "covariances.csv"})
     EXPECT_EQ(contentOf(folder_ / ("a/" + std::string(file))),
               contentOf(folder_ / ("b/" + std::string(file))))
@@ -196,7 +163,7 @@ TEST_F(Tools, ParametersOfADriveCanBeUsedAgain) {
 
 TEST_F(Tools, ADriveIsJudgedFromAllItsStarts) {
   const fs::path results = folder_ / "starts";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--starts", "3"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--starts", "3"}));
   const std::vector<StartAnswer> answers = readStarts(results);
   std::set<std::string> starts;
   for (const StartAnswer& answer : answers) {
@@ -205,21 +172,18 @@ TEST_F(Tools, ADriveIsJudgedFromAllItsStarts) {
   }
   EXPECT_EQ(starts.size(), static_cast<std::size_t>((kFrames + 2) / 3));
 
-  const ToolRun judged = runTool<EvaluateApp>({results, map_run() + "/groundtruth.txt"});
-  ASSERT_EQ(judged.code, kOk) << judged.err;
-  EXPECT_THAT(judged.out, HasSubstr("FROM A START"));
+  EXPECT_THAT(ok(runTool<EvaluateApp>({results, map_run() + "/groundtruth.txt"})).out,
+              HasSubstr("FROM A START"));
   for (const char* name : {"starts_by_images.csv", "starts_by_metres.csv"})
     EXPECT_THAT(contentOf(results / "evaluation" / name), HasSubstr("recall,precision"));
   EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--starts", "3"}).code, kUsage);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), map_run(), "-o", results}));
   EXPECT_TRUE(readStarts(results).empty()) << "of an earlier run";
 }
 
 TEST_F(Tools, ADriveHasAllItsImages) {
-  const ToolRun resumed =
-      runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--resume"});
-  EXPECT_EQ(resumed.code, kUsage);
-  EXPECT_THAT(resumed.err, HasSubstr("--resume"));
+  EXPECT_THAT(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--resume"}),
+              refuses("--resume"));
   const ToolRun by_overlap =
       runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--score.by_overlap"});
   EXPECT_EQ(by_overlap.code, kUsage);
@@ -228,25 +192,21 @@ TEST_F(Tools, ADriveHasAllItsImages) {
 TEST_F(Tools, LocalizeResumes) {
   const std::string input = withOneCorruptImage();
   const std::string results = folder_ / "results";
-  const ToolRun failed = runTool<LocalizeApp>({map(), input, "-o", results});
-  EXPECT_EQ(failed.code, kFailed);
-  EXPECT_THAT(failed.err, AllOf(HasSubstr(".png: "), HasSubstr("1 of 12 items failed")));
+  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", results}), fails(".png: ", "1 of 12 items failed"));
   EXPECT_EQ(readTiming(results).size(),
             static_cast<std::size_t>(kFrames));  // the corrupt one with its reason
 
   fs::copy(query() + "/depth", input + "/depth", kReplace);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}).code, kOk);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "at_once"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}));
+  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "at_once"}));
   EXPECT_EQ(contentOf(results + "/hypotheses.csv"), contentOf(folder_ / "at_once/hypotheses.csv"));
 
   const auto before = fs::last_write_time(results + "/hypotheses.csv");
-  EXPECT_EQ(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}));
   EXPECT_EQ(fs::last_write_time(results + "/hypotheses.csv"), before);
 
-  const ToolRun other =
-      runTool<LocalizeApp>({map(), input, "-o", results, "--resume", "--labels.min_support", "99"});
-  EXPECT_EQ(other.code, kFailed);
-  EXPECT_THAT(other.err, HasSubstr("other parameters"));
+  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", results, "--resume", "--labels.min_support", "99"}),
+              fails("other parameters"));
 }
 
 TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
@@ -257,13 +217,11 @@ TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
   };
   const auto resume = [&] { return runTool<LocalizeApp>({copy, input, "-o", results, "--resume"}); };
   const auto expectRefused = [&] {
-    const ToolRun run = resume();
-    EXPECT_EQ(run.code, kFailed);
-    EXPECT_THAT(run.err, HasSubstr("was begun with another map, other images or other parameters"));
+    EXPECT_THAT(resume(), fails("was begun with another map, other images or other parameters"));
   };
   restore();
-  ASSERT_EQ(resume().code, kOk);
-  EXPECT_EQ(resume().code, kOk);
+  ok(resume());
+  ok(resume());
   MapDatabase::open(copy).setMeta("changed", "yes");
   expectRefused();
   restore();
@@ -273,17 +231,15 @@ TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
   std::ofstream(input + "/camera.ini", std::ios::app) << "\ninverse_depth_std = 0.002\n";
   expectRefused();
   restore();
-  EXPECT_EQ(resume().code, kOk);
+  ok(resume());
 }
 
 TEST_F(Tools, LocalizeResumesWithFewerImages) {
-  const std::string input = folder_ / "input", results = folder_ / "results";
-  fs::copy(query(), input, fs::copy_options::recursive);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", results}).code, kOk);
+  const std::string input = folder_.copyOf(query(), "input"), results = folder_ / "results";
+  ok(runTool<LocalizeApp>({map(), input, "-o", results}));
   const fs::path gone = filesOf(input + "/depth").front();
   fs::remove(gone);
-  const ToolRun run = runTool<LocalizeApp>({map(), input, "-o", results, "--resume"});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  ok(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}));
   EXPECT_EQ(readTiming(results).size(), kFrames - 1u);
   for (const ResultRow& row : readHypotheses(results)) EXPECT_NE(row.frame, gone.stem());
   EXPECT_THAT(contentOf(results + "/images.txt"), Not(HasSubstr(gone.stem().string())));
@@ -291,7 +247,7 @@ TEST_F(Tools, LocalizeResumesWithFewerImages) {
 
 TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   const std::string results = folder_ / "results";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
   std::vector<std::string> frames;
   for (const TimingRow& row : readTiming(results)) frames.push_back(row.frame);
   const auto removeFrame = [&](const std::string& file, const std::string& frame) {
@@ -299,12 +255,11 @@ TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
     std::string kept;
     for (std::string line; std::getline(in, line);)
       if (line.rfind(frame + ",", 0) != 0) kept += line + "\n";
-    test::writeContent(results + file, kept);
+    writeContent(results + file, kept);
   };
   removeFrame("/hypotheses.csv", frames[2]);
   removeFrame("/timing.csv", frames[5]);
-  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}));
   std::vector<std::string> timed;
   for (const TimingRow& row : readTiming(results)) timed.push_back(row.frame);
   EXPECT_EQ(timed, frames);
@@ -318,31 +273,31 @@ constexpr const char* kSameInEachRun[] = {"/hypotheses.csv", "/poses_tum.txt", "
 
 TEST_F(Tools, AFullDiskCostsTheImageAtHandOnly) {
   const std::string results = folder_ / "results", once = folder_ / "once";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", once}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", once}));
   {
     const auto room = fs::file_size(once + "/params.ini") + 100;
     ASSERT_LT(room, fs::file_size(once + "/hypotheses.csv"));
-    const test::FullDisk full(room);
+    const FullDisk full(room);
     const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", results});
     EXPECT_EQ(run.code, kFailed);
-    EXPECT_THAT(run.err, HasSubstr(".csv: " + std::string(test::FullDisk::kWords)));
+    EXPECT_THAT(run.err, HasSubstr(".csv: " + std::string(FullDisk::kWords)));
     EXPECT_THAT(run.err, Not(HasSubstr("items failed"))) << "it stops at the first write that fails";
   }
   const std::size_t done = readResults(results).size();
   EXPECT_GT(done, 0u);
-  const ToolRun judged = runTool<EvaluateApp>({results, query() + "/groundtruth.txt"});
-  EXPECT_THAT(judged.err, HasSubstr("the run was not finished"));
+  EXPECT_THAT(runTool<EvaluateApp>({results, query() + "/groundtruth.txt"}).err,
+              HasSubstr("the run was not finished"));
 
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}));
   for (const char* file : kSameInEachRun)
     EXPECT_EQ(contentOf(results + file), contentOf(once + file)) << file;
-  const ToolRun whole = runTool<EvaluateApp>({results, query() + "/groundtruth.txt"});
-  EXPECT_THAT(whole.err, Not(HasSubstr("not finished")));
+  EXPECT_THAT(runTool<EvaluateApp>({results, query() + "/groundtruth.txt"}).err,
+              Not(HasSubstr("not finished")));
 }
 
 TEST_F(Tools, ARunThatWasKilledGoesOnToTheSameBytes) {
   const std::string results = folder_ / "results", once = folder_ / "once";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", once}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", once}));
   const std::string timing = contentOf(once + "/timing.csv"), rows = contentOf(once + "/hypotheses.csv");
   std::size_t fifth = 0;  // ends, of the header and four images
   for (int line = 0; line < 5; ++line) fifth = timing.find('\n', fifth) + 1;
@@ -352,10 +307,10 @@ TEST_F(Tools, ARunThatWasKilledGoesOnToTheSameBytes) {
        {std::size_t{0}, std::size_t{30}, rows.find('\n', of_next) + 1 - of_next}) {
     fs::remove_all(results);
     fs::copy(once, results);
-    test::writeContent(results + "/hypotheses.csv", rows.substr(0, of_next + written));
-    test::writeContent(results + "/timing.csv", timing.substr(0, fifth) + (written ? "12" : ""));
+    writeContent(results + "/hypotheses.csv", rows.substr(0, of_next + written));
+    writeContent(results + "/timing.csv", timing.substr(0, fifth) + (written ? "12" : ""));
     EXPECT_EQ(readResults(results).size(), 4u);
-    ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}).code, kOk);
+    ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}));
     for (const char* file : kSameInEachRun)
       EXPECT_EQ(contentOf(results + file), contentOf(once + file)) << file << " of " << written;
   }
@@ -363,9 +318,8 @@ TEST_F(Tools, ARunThatWasKilledGoesOnToTheSameBytes) {
 
 TEST_F(Tools, OtherParametersBeginAnew) {
   const std::string results = folder_ / "results";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", results, "--labels.min_support", "99"}).code,
-            kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", results, "--labels.min_support", "99"}));
   EXPECT_EQ(readTiming(results).size(), 1u);
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min_support = 99"));
 }
@@ -380,44 +334,39 @@ TEST_F(Tools, LocalizeNamesMissingInputs) {
 
 TEST_F(Tools, SmoothNoiseIsFoundAndReported) {
   const std::string room = folder_ / "room";
-  const ToolRun simulate = runTool<SimulateApp>(
-      {"room", "-o", room, "--seed", "5", "--frames", std::to_string(kFrames), "--width", "320",
-       "--drive.turn_deg", "8", "--sensor.disparity_std", "2", "--sensor.correlation_px", "3"});
-  ASSERT_EQ(simulate.code, kOk) << simulate.err;
+  ok(runTool<SimulateApp>({"room", "-o", room, "--seed", "5", "--frames", std::to_string(kFrames), "--width",
+                           "320", "--drive.turn_deg", "8", "--sensor.disparity_std", "2",
+                           "--sensor.correlation_px", "3"}));
   const std::string images = room + "/query";
   const std::string noisy_map = folder_ / "noisy.flmap";
   const auto tells =
       HasSubstr("the images are noisier than their camera's specification: inverse_depth_std is about 0.00");
-  const ToolRun build = runMap({"build", room + "/map", "-o", noisy_map, "--map.distance", "0.1"});
-  ASSERT_EQ(build.code, kOk) << build.err;
-  EXPECT_THAT(build.err, tells);
-  const ToolRun run = runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "results"});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(ok(runMap({"build", room + "/map", "-o", noisy_map, "--map.distance", "0.1"})).err, tells);
+  const ToolRun run = ok(runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "results"}));
   EXPECT_THAT(run.err, tells);
   EXPECT_THAT(run.out, HasSubstr("12 images: "));
-  const ToolRun told =
-      runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "told", "--noise.inverse_depth_std", "0.006"});
-  EXPECT_THAT(told.err, Not(HasSubstr("noisier")));
-  const ToolRun kinect = runTool<LocalizeApp>({map(), query(), "-o", folder_ / "kinect"});
-  EXPECT_THAT(kinect.err, Not(HasSubstr("noisier")));
+  EXPECT_THAT(
+      runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "told", "--noise.inverse_depth_std", "0.006"})
+          .err,
+      Not(HasSubstr("noisier")));
+  EXPECT_THAT(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "kinect"}).err,
+              Not(HasSubstr("noisier")));
 }
 
 TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
-  const std::string lower = folder_ / "lower", unknown = folder_ / "unknown";
+  const std::string lower = folder_.copyOf(query(), "lower"), unknown = folder_.copyOf(query(), "unknown");
   for (const std::string& input : {lower, unknown}) {
-    fs::copy(query(), input, fs::copy_options::recursive);
     CameraFile file = readCameraFile(input + "/camera.ini");
     std::optional<CameraMounting>& mounting = file.camera.mounting;
     mounting = input == lower ? std::optional(CameraMounting{mounting->height - 0.4, 10}) : std::nullopt;
     writeCameraFile(input + "/camera.ini", file);
-    const ToolRun run = runTool<LocalizeApp>({map(), input, "-o", input + "/results"});
-    ASSERT_EQ(run.code, kOk) << run.err;
-    EXPECT_THAT(run.err, HasSubstr(input == lower ? "mounted differently, 0.600 m"
-                                                  : "mounting of the images' camera is unknown"));
-    EXPECT_THAT(run.err, HasSubstr("the prior is isotropic"));
+    const ToolRun run = ok(runTool<LocalizeApp>({map(), input, "-o", input + "/results"}));
+    EXPECT_THAT(run.err, HasAll(input == lower ? "mounted differently, 0.600 m"
+                                               : "mounting of the images' camera is unknown",
+                                "the prior is isotropic"));
   }
-  const ToolRun pair = runTool<RegisterApp>({filesOf(lower + "/depth")[0].string(), firstImage()});
-  EXPECT_THAT(pair.err, HasSubstr("mounted differently"));
+  EXPECT_THAT(runTool<RegisterApp>({filesOf(lower + "/depth")[0].string(), firstImage()}).err,
+              HasSubstr("mounted differently"));
 }
 
 TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
@@ -427,8 +376,7 @@ TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
     return n;
   };
   const std::string usual = folder_ / "usual", strict = folder_ / "strict";
-  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", usual});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  const ToolRun run = ok(runTool<LocalizeApp>({map(), query(), "-o", usual}));
   const int sure = count(usual, AnswerState::sure);
   EXPECT_GT(sure, 0);
   EXPECT_THAT(run.out, HasSubstr("12 images: " + std::to_string(sure) + " sure, " +
@@ -437,7 +385,7 @@ TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
   EXPECT_EQ(readTumTrajectory(usual + "/poses_tum.txt").poses().size(), static_cast<std::size_t>(sure));
   for (const auto& [frame, P] : readCovariances(usual)) EXPECT_EQ(P.llt().info(), Eigen::Success) << frame;
 
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", strict, "--min-probability", "1"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", strict, "--min-probability", "1"}));
   EXPECT_LT(count(strict, AnswerState::sure), sure);
   EXPECT_EQ(readCovariances(strict).size(), readCovariances(usual).size());
   EXPECT_EQ(runTool<LocalizeApp>({map(), query(), "-o", strict, "--min-probability", "0"}).code, kUsage);
@@ -445,31 +393,27 @@ TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
 
 /** Scores by overlap have no probabilities that one could act on. */
 TEST_F(Tools, LocalizeIsNeverSureByOverlap) {
-  const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results", "--score.by_overlap"});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("12 images: 0 sure"));
+  EXPECT_THAT(ok(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results", "--score.by_overlap"})).out,
+              HasSubstr("12 images: 0 sure"));
 }
 
 TEST_F(Tools, LocalizeAdvisesWhereNothingIsSure) {
-  const std::string input = folder_ / "input";
-  fs::copy(query(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(query(), "input");
   CameraFile file = readCameraFile(input + "/camera.ini");
   const double fx = file.camera.intrinsics.fx;
   file.camera.intrinsics.fx = file.camera.intrinsics.fy = 0.6 * fx;
   writeCameraFile(input + "/camera.ini", file);
-  const ToolRun focal = runTool<LocalizeApp>({map(), input, "-o", folder_ / "focal"});
-  EXPECT_THAT(focal.out,
-              AllOf(HasSubstr("Check the following:\nDo fx and fy fit"), HasSubstr("12 images: 0 sure")));
+  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", folder_ / "focal"}).out,
+              HasAll("Check the following:\nDo fx and fy fit", "12 images: 0 sure"));
 
   file.camera.intrinsics.fx = file.camera.intrinsics.fy = fx;
   file.depth_scale *= 5;
   writeCameraFile(input + "/camera.ini", file);
-  const ToolRun scale = runTool<LocalizeApp>({map(), input, "-o", folder_ / "scale"});
-  EXPECT_THAT(scale.out,
-              AllOf(HasSubstr("Check the following:\nDoes depth_scale"), HasSubstr("12 images: 0 sure")));
-  const ToolRun good = runTool<LocalizeApp>({map(), query(), "-o", folder_ / "good"});
-  EXPECT_THAT(good.out, Not(HasSubstr("Check the following")));
+  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", folder_ / "scale"}).out,
+              HasAll("Check the following:\nDoes depth_scale", "12 images: 0 sure"));
+  EXPECT_THAT(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "good"}).out,
+              Not(HasSubstr("Check the following")));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

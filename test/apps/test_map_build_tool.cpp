@@ -14,36 +14,18 @@
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/full_disk.h>
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::filesOf;
-using test::kReplace;
-using test::runMap;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 TEST_F(Tools, MapBuildRemovesTheDepthDistortion) {
   constexpr double kStrength = 3;  // [DU]: a bad camera
-  ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60",
-                                  "--query-frames", "20", "--width", "320", "--drive.turn_deg", "8",
-                                  "--sensor.distortion", text::decimals(kStrength, 0)})
-                .code,
-            kOk);
+  ok(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60", "--query-frames",
+                           "20", "--width", "320", "--drive.turn_deg", "8", "--sensor.distortion",
+                           text::decimals(kStrength, 0)}));
   const auto meanError = [&](const std::string& name, const std::vector<std::string>& options) {
     const std::string map = folder_ / name + ".flmap", results = folder_ / name;
-    std::vector<std::string> build{"build", folder_ / "map", "-o", map};
-    build.insert(build.end(), options.begin(), options.end());
-    EXPECT_EQ(runMap(build).code, kOk);
-    EXPECT_EQ(runTool<LocalizeApp>({map, folder_ / "query", "-o", results}).code, kOk);
+    ok(runMap(Arguments{"build", folder_ / "map", "-o", map} + options));
+    ok(runTool<LocalizeApp>({map, folder_ / "query", "-o", results}));
     const Evaluation evaluation =
         evaluate(readHypotheses(results), readTumTrajectory(folder_ / "query/groundtruth.txt"), {}, {});
     return summarize("", evaluation.frames).translation_stats.mean;
@@ -57,39 +39,37 @@ TEST_F(Tools, MapBuildRemovesTheDepthDistortion) {
   EXPECT_THAT(runMap({"info", folder_ / "raw.flmap"}).out, HasSubstr("distortion taken out"));
   EXPECT_THAT(runMap({"info", folder_ / "corrected.flmap"}).out, HasSubstr("disparity units"));
 
-  const ToolRun merge = runMap(
-      {"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap", "--same-coordinates"});
-  ASSERT_EQ(merge.code, kOk) << merge.err;
-  EXPECT_THAT(merge.err,
+  EXPECT_THAT(ok(runMap({"merge", folder_ / "corrected.flmap", map(), "-o", folder_ / "both.flmap",
+                         "--same-coordinates"}))
+                  .err,
               HasSubstr("differ in the distortion that was taken out; the merged one has the one of " +
                         (folder_ / "corrected.flmap")));
   EXPECT_EQ(readMap(folder_ / "both.flmap").camera.distortion->values(), distortion->values());
   // Going on with a map leaves its distortion as it is.
-  ASSERT_EQ(runMap({"build", folder_ / "map", "-o", folder_ / "corrected.flmap", "--resume"}).code, kOk);
+  ok(runMap({"build", folder_ / "map", "-o", folder_ / "corrected.flmap", "--resume"}));
   EXPECT_EQ(readMap(folder_ / "corrected.flmap").camera.distortion->values(), distortion->values());
 }
 
 TEST_F(Tools, MapBuildRefusesToOverwriteAndResumes) {
   const std::string path = folder_ / "m.flmap";
-  ASSERT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3"}).code, kOk);
+  ok(runMap({"build", map_run(), "-o", path, "--every", "3"}));
   EXPECT_EQ(readMap(path).models.size(), 4u);
   EXPECT_EQ(readMap(path).links.size(), 3u);
   EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3"}).code, kFailed);
   EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "3", "--resume", "--overwrite"}).code, kUsage);
-  const ToolRun resumed = runMap({"build", map_run(), "-o", path, "--every", "3", "--resume"});
-  EXPECT_EQ(resumed.code, kOk) << resumed.err;
-  EXPECT_THAT(resumed.out, HasSubstr("0 local models added from 12 images, 4 in all"));
+  EXPECT_THAT(ok(runMap({"build", map_run(), "-o", path, "--every", "3", "--resume"})).out,
+              HasSubstr("0 local models added from 12 images, 4 in all"));
   EXPECT_EQ(readMap(path).links.size(), 3u);
   EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--resume"}).code,
             kFailed);  // other parameters
-  EXPECT_EQ(runMap({"build", map_run(), "-o", path, "--every", "4", "--overwrite"}).code, kOk);
+  ok(runMap({"build", map_run(), "-o", path, "--every", "4", "--overwrite"}));
   EXPECT_EQ(readMap(path).models.size(), 3u);
 }
 
 TEST_F(Tools, MapBuildTakesAnEmptyFileForNone) {
   const std::string path = folder_ / "m.flmap";
   for (const char* how : {"", "--resume", "--overwrite"}) {
-    test::writeContent(path, "");
+    writeContent(path, "");
     std::vector<std::string> arguments = {"build", map_run(), "-o", path, "--every", "3"};
     if (*how) arguments.push_back(how);
     const ToolRun run = runMap(arguments);
@@ -105,32 +85,29 @@ TEST_F(Tools, AnInterruptedMapIsDistinguishedFromAWholeOne) {
     EXPECT_EQ(run.code, kOk) << run.err;
     return run.err.find("its build has not ended") != std::string::npos;
   };
-  ASSERT_EQ(runMap(build).code, kOk);
+  ok(runMap(build));
   EXPECT_FALSE(told(runMap({"check", path})));
   EXPECT_THAT(runMap({"info", path}).out, HasSubstr("state: whole"));
   MapDatabase::open(path).setMeta("state", "under way");  // as until the build ends
   EXPECT_TRUE(told(runMap({"check", path})));
   EXPECT_TRUE(told(runTool<LocalizeApp>({path, firstImage(), "-o", folder_ / "results"})));
   EXPECT_TRUE(told(runMap({"merge", path, map(), "-o", folder_ / "both.flmap"})));
-  EXPECT_EQ(runMap(build).code, kOk);
+  ok(runMap(build));
   EXPECT_FALSE(told(runMap({"check", path})));
 }
 
 TEST_F(Tools, MapBuildLeavesTheOldMapUntilTheNewOneIsThere) {
-  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
-  fs::copy(query(), input, fs::copy_options::recursive);
-  ASSERT_EQ(runMap({"build", input, "-o", path, "--every", "3"}).code, kOk);
+  const std::string input = folder_.copyOf(query(), "input"), path = folder_ / "m.flmap";
+  ok(runMap({"build", input, "-o", path, "--every", "3"}));
   const std::string old = contentOf(path);
-  for (const fs::path& image : filesOf(input + "/depth")) test::writeContent(image, "no PNG at all");
-  const ToolRun failed = runMap({"build", input, "-o", path, "--every", "3", "--overwrite"});
-  EXPECT_EQ(failed.code, kFailed);
-  EXPECT_THAT(failed.err, AllOf(HasSubstr("4 of 4 items failed"), HasSubstr("m.flmap: is not written")));
+  for (const fs::path& image : filesOf(input + "/depth")) writeContent(image, "no PNG at all");
+  EXPECT_THAT(runMap({"build", input, "-o", path, "--every", "3", "--overwrite"}),
+              fails("4 of 4 items failed", "m.flmap: is not written"));
   EXPECT_EQ(contentOf(path), old);
   {
-    const test::FullDisk full(old.size() / 2);
-    const ToolRun run = runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"});
-    EXPECT_EQ(run.code, kFailed);
-    EXPECT_THAT(run.err, HasSubstr("m.flmap: cannot be written: "));
+    const FullDisk full(old.size() / 2);
+    EXPECT_THAT(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}),
+                fails("m.flmap: cannot be written: "));
   }
   EXPECT_EQ(contentOf(path), old);
   EXPECT_EQ(filesOf(folder_ / "").size(), 2u) << "nothing else is left";
@@ -140,42 +117,36 @@ TEST_F(Tools, MapBuildLeavesTheOldMapUntilTheNewOneIsThere) {
 }
 
 TEST_F(Tools, MapBuildResumesNothingOfOtherInputs) {
-  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
-  fs::copy(query(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(query(), "input"), path = folder_ / "m.flmap";
   const auto resume = [&] { return runMap({"build", input, "-o", path, "--every", "3", "--resume"}); };
-  ASSERT_EQ(resume().code, kOk);
-  EXPECT_EQ(resume().code, kOk);
+  ok(resume());
+  ok(resume());
   std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.T_w_c.translation().x() += 0.01;
   writeTumTrajectory(input + "/groundtruth.txt", poses);
   EXPECT_EQ(resume().code, kFailed);
   fs::copy(query(), input, kReplace);
-  EXPECT_EQ(resume().code, kOk);
+  ok(resume());
   giveOtherImages(input);
-  const ToolRun run = resume();
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("was built of other images, with other poses or other parameters"));
+  EXPECT_THAT(resume(), fails("was built of other images, with other poses or other parameters"));
   EXPECT_THAT(runMap({"info", path}).out, Not(HasSubstr("images:")));
 }
 
 TEST_F(Tools, MapBuildReportsABadImage) {
   const std::string input = withOneCorruptImage(), path = folder_ / "m.flmap";
-  const ToolRun run = runMap({"build", input, "-o", path, "--every", "1"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
+  EXPECT_THAT(runMap({"build", input, "-o", path, "--every", "1"}), fails("1 of 12 items failed"));
   EXPECT_EQ(readMap(path).models.size(), 11u);
   fs::copy(query() + "/depth", input + "/depth", kReplace);
-  EXPECT_EQ(runMap({"build", input, "-o", path, "--every", "1", "--resume"}).code, kOk);
+  ok(runMap({"build", input, "-o", path, "--every", "1", "--resume"}));
   EXPECT_EQ(readMap(path).models.size(), 12u);
 }
 
 TEST_F(Tools, MapBuildEstimatesTheTrajectory) {
-  const std::string input = folder_ / "input", path = folder_ / "m.flmap", found = folder_ / "found.txt";
-  fs::copy(map_run(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(map_run(), "input"), path = folder_ / "m.flmap",
+                    found = folder_ / "found.txt";
   fs::remove(input + "/groundtruth.txt");
-  const ToolRun run = runMap({"build", input, "-o", path, "--trajectory", found});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("trajectory: way"), HasSubstr("1 piece")));
+  EXPECT_THAT(ok(runMap({"build", input, "-o", path, "--trajectory", found})).out,
+              HasAll("trajectory: way", "1 piece"));
   const Map map = readMap(path);
   ASSERT_GT(map.models.size(), 5u);
   const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
@@ -187,12 +158,12 @@ TEST_F(Tools, MapBuildEstimatesTheTrajectory) {
   EXPECT_EQ(readTumTrajectory(found).poses().size(), truth.poses().size());
 
   const std::string again = folder_ / "again.flmap";
-  ASSERT_EQ(runMap({"build", map_run(), "-o", again, "--without-poses", "--threads", "1"}).code, kOk);
+  ok(runMap({"build", map_run(), "-o", again, "--without-poses", "--threads", "1"}));
   const Map other = readMap(again);
   ASSERT_EQ(other.models.size(), map.models.size());
   for (std::size_t i = 0; i < map.models.size(); ++i)
     EXPECT_EQ(other.models[i].T_w_m->matrix(), map.models[i].T_w_m->matrix()) << i;
-  EXPECT_EQ(runMap({"build", map_run(), "-o", again, "--without-poses", "--resume"}).code, kOk);
+  ok(runMap({"build", map_run(), "-o", again, "--without-poses", "--resume"}));
   EXPECT_EQ(readMap(again).models.size(), map.models.size());
 }
 
@@ -206,10 +177,10 @@ TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
     pose.T_w_c = drift * pose.T_w_c * mounting.T_b_c().inverse();  // pose of the robot
   }
   writeTumTrajectory(odometry, poses);
-  const ToolRun run =
-      runMap({"build", map_run(), "-o", folder_ / "m.flmap", "--without-poses", "--odometry", odometry});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("odometry and images disagree by"));
+  EXPECT_THAT(
+      ok(runMap({"build", map_run(), "-o", folder_ / "m.flmap", "--without-poses", "--odometry", odometry}))
+          .err,
+      HasSubstr("odometry and images disagree by"));
   for (const LocalModel& model : readMap(folder_ / "m.flmap").models) EXPECT_TRUE(model.T_w_m);
 
   EXPECT_THAT(runMap({"build", map_run(), "-o", folder_ / "n.flmap", "--without-poses", "--odometry",
@@ -219,17 +190,14 @@ TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
 }
 
 TEST_F(Tools, MapBuildAllowsForTheUnknownLeanOfARobotOnWheels) {
-  ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "120",
-                                  "--query-frames", "2", "--width", "320", "--odometry"})
-                .code,
-            kOk);
+  ok(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "120", "--query-frames",
+                           "2", "--width", "320", "--odometry"}));
   const Trajectory truth = readTumTrajectory(folder_ / "map/groundtruth.txt");
   const auto errorWith = [&](const std::vector<std::string>& options) {
     const std::string found = folder_ / "found.txt";
-    std::vector<std::string> build{"build",           folder_ / "map", "-o",  folder_ / "m.flmap",
-                                   "--without-poses", "--trajectory",  found, "--overwrite"};
-    build.insert(build.end(), options.begin(), options.end());
-    EXPECT_EQ(runMap(build).code, kOk);
+    ok(runMap(Arguments{"build", folder_ / "map", "-o", folder_ / "m.flmap", "--without-poses",
+                        "--trajectory", found, "--overwrite"} +
+              options));
     return trajectoryErrors(readTumTrajectory(found), truth, 0.02).absolute.rmse;
   };
   const double without = errorWith({}), with = errorWith({"--odometry", folder_ / "map/odometry.txt"});
@@ -237,14 +205,11 @@ TEST_F(Tools, MapBuildAllowsForTheUnknownLeanOfARobotOnWheels) {
 }
 
 TEST_F(Tools, MapBuildByEveryNeedsNoPoses) {
-  const std::string input = folder_ / "input";
-  fs::copy(map_run(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(map_run(), "input");
   fs::remove(input + "/groundtruth.txt");
-  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}).code, kOk);
+  ok(runMap({"build", input, "-o", folder_ / "m.flmap", "--every", "6"}));
   EXPECT_FALSE(hasGivenPose(readMap(folder_ / "m.flmap")));
-  EXPECT_EQ(
-      runMap({"build", input, "-o", folder_ / "n.flmap", "--poses", map_run() + "/groundtruth.txt"}).code,
-      kOk);
+  ok(runMap({"build", input, "-o", folder_ / "n.flmap", "--poses", map_run() + "/groundtruth.txt"}));
 }
 
 TEST_F(Tools, MapBuildNamesPosesOfAnotherConvention) {
@@ -253,14 +218,10 @@ TEST_F(Tools, MapBuildNamesPosesOfAnotherConvention) {
   writeTumTrajectory(folder_ / "inverted.txt", inverted);
   const std::string path = folder_ / "m.flmap";
   std::vector<std::string> build = {"build", map_run(), "-o", path, "--poses", folder_ / "inverted.txt"};
-  const ToolRun refused = runMap(build);
-  EXPECT_EQ(refused.code, kFailed);
-  EXPECT_THAT(refused.err, AllOf(HasSubstr("they are inverted"), HasSubstr("--force")));
+  EXPECT_THAT(runMap(build), fails("they are inverted", "--force"));
   EXPECT_FALSE(fs::exists(path));
   build.emplace_back("--force");
-  const ToolRun forced = runMap(build);
-  EXPECT_EQ(forced.code, kOk) << forced.err;
-  EXPECT_THAT(forced.err, HasSubstr("they are inverted"));
+  EXPECT_THAT(ok(runMap(build)).err, HasSubstr("they are inverted"));
   const ToolRun good = runMap({"build", map_run(), "-o", path, "--overwrite"});
   EXPECT_THAT(good.out, HasSubstr("poses and images disagree by 0."));
   EXPECT_EQ(good.err, "");
@@ -268,8 +229,7 @@ TEST_F(Tools, MapBuildNamesPosesOfAnotherConvention) {
 }
 
 TEST_F(Tools, MapBuildMatchesNoPosesWithNamesWithoutNumbers) {
-  const std::string input = folder_ / "input", truth = query() + "/groundtruth.txt";
-  fs::copy(query(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(query(), "input"), truth = query() + "/groundtruth.txt";
   int number = 0;
   for (const fs::path& image : filesOf(input + "/depth"))
     fs::rename(image, input + "/depth/frame_" + std::string(1, static_cast<char>('a' + number++)) + ".png");
@@ -277,11 +237,9 @@ TEST_F(Tools, MapBuildMatchesNoPosesWithNamesWithoutNumbers) {
   EXPECT_THAT(runMap({"build", input, "-o", made, "--poses", truth}).err,
               HasSubstr("no time stamps: poses cannot be matched"));
   EXPECT_THAT(runMap({"build", input, "-o", made}).err, HasSubstr("the trajectory is found from the images"));
-  ASSERT_EQ(runMap({"build", input, "-o", made, "--every", "6", "--overwrite"}).code, kOk);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}).code, kOk);
-  const ToolRun run = runTool<EvaluateApp>({folder_ / "results", truth});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("is no time stamp"));
+  ok(runMap({"build", input, "-o", made, "--every", "6", "--overwrite"}));
+  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}));
+  EXPECT_THAT(runTool<EvaluateApp>({folder_ / "results", truth}), fails("is no time stamp"));
 }
 
 TEST_F(Tools, AFileThatIsNoMapIsNotReplaced) {
@@ -295,12 +253,12 @@ TEST_F(Tools, AFileThatIsNoMapIsNotReplaced) {
 TEST_F(Tools, ALinkToAMapStaysOne) {
   const std::string map_file = folder_ / "kept/m.flmap", link = folder_ / "link.flmap";
   fs::create_directories(folder_ / "kept");
-  ASSERT_EQ(runMap({"build", query(), "-o", map_file, "--every", "6"}).code, kOk);
+  ok(runMap({"build", query(), "-o", map_file, "--every", "6"}));
   fs::create_symlink(map_file, link);
-  ASSERT_EQ(runMap({"build", query(), "-o", link, "--every", "3", "--overwrite"}).code, kOk);
+  ok(runMap({"build", query(), "-o", link, "--every", "3", "--overwrite"}));
   EXPECT_TRUE(fs::is_symlink(link));
   EXPECT_EQ(readMap(map_file).models.size(), 4u);
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

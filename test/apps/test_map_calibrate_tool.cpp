@@ -7,17 +7,8 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::runMap;
-using test::runTool;
-using test::Tools;
-using testing::HasSubstr;
-using testing::Not;
 
 SureThreshold strict() {
   SureThreshold t;
@@ -40,10 +31,10 @@ TEST_F(Tools, MapIsCalibratedByARecording) {
   const auto threshold = sureThresholdOf(openMap(copy));
   ASSERT_TRUE(threshold);
   EXPECT_EQ(threshold->alpha, 0.4);
-  EXPECT_LE(threshold->images, test::kFrames);
+  EXPECT_LE(threshold->images, kFrames);
   EXPECT_THAT(threshold->source, HasSubstr("query"));
   EXPECT_THAT(runMap({"info", copy}).out, HasSubstr(threshold->toString()));
-  EXPECT_EQ(runMap({"check", copy}).code, kOk);
+  ok(runMap({"check", copy}));
 
   const auto own = runMap({"calibrate", copy, "--alpha", "0.5", "--confidence", "0.1"});
   if (own.code == kOk) {
@@ -54,12 +45,12 @@ TEST_F(Tools, MapIsCalibratedByARecording) {
 }
 
 TEST_F(Tools, CalibrateSaysHowManyImagesAreMissing) {
-  const std::string copy = folder_ / "copy.flmap", bytes = test::contentOf(map());
+  const std::string copy = folder_ / "copy.flmap", bytes = contentOf(map());
   fs::copy_file(map(), copy);
   const auto few = runMap({"calibrate", copy, query()});
   EXPECT_EQ(few.code, kFailed);
   EXPECT_THAT(few.err, HasSubstr("are too few; it takes about "));
-  EXPECT_TRUE(test::contentOf(copy) == bytes) << "the map stays as it is";
+  EXPECT_TRUE(contentOf(copy) == bytes) << "the map stays as it is";
 }
 
 TEST_F(Tools, CalibrateWarnsOfTheRecordingThatTheMapIsMadeOf) {
@@ -82,8 +73,7 @@ TEST_F(Tools, CalibrateRefusesSenselessOptions) {
                                              {"calibrate"}})
     EXPECT_EQ(runMap(arguments).code, kUsage) << arguments.back();
   EXPECT_EQ(runMap({"calibrate", folder_ / "no.flmap"}).code, kFailed);
-  const std::string bare = folder_ / "bare";
-  fs::copy(query(), bare, fs::copy_options::recursive);
+  const std::string bare = folder_.copyOf(query(), "bare");
   fs::remove(bare + "/groundtruth.txt");
   const auto without_poses = runMap({"calibrate", map(), bare});
   EXPECT_EQ(without_poses.code, kFailed);
@@ -94,11 +84,11 @@ TEST_F(Tools, LocalizeIsAsSureAsTheMapWasCalibrated) {
   const std::string copy = folder_ / "copy.flmap", results = folder_ / "results";
   fs::copy_file(map(), copy);
   MapDatabase::open(copy).setMeta(kSureKey, toText(strict()));
-  ASSERT_EQ(runTool<LocalizeApp>({copy, query(), "-o", results}).code, kOk);
-  EXPECT_THAT(test::contentOf(results + "/params.ini"), HasSubstr("min-probability = 1\n"));
+  ok(runTool<LocalizeApp>({copy, query(), "-o", results}));
+  EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min-probability = 1\n"));
   const auto by_user = runTool<LocalizeApp>({copy, query(), "-o", results, "--min-probability", "0.9"});
   EXPECT_THAT(by_user.out, Not(HasSubstr(" 0 sure")));
-  EXPECT_THAT(test::contentOf(results + "/params.ini"), HasSubstr("min-probability = 0.9\n"));
+  EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min-probability = 0.9\n"));
 }
 
 /** It was found for the map as it was. */
@@ -106,10 +96,10 @@ TEST_F(Tools, AChangedMapIsNotCalibrated) {
   const std::string copy = folder_ / "copy.flmap", merged = folder_ / "merged.flmap";
   fs::copy_file(map(), copy);
   MapDatabase::open(copy).setMeta(kSureKey, toText(strict()));
-  ASSERT_EQ(runMap({"merge", copy, map(), "-o", merged}).code, kOk);
+  ok(runMap({"merge", copy, map(), "-o", merged}));
   const Map both = readMap(merged);
   EXPECT_FALSE(sureThresholdOf(both));
-  for (const auto& [key, value] : both.meta) EXPECT_THAT(key, Not(testing::EndsWith(kSureKey)));
+  for (const auto& [key, value] : both.meta) EXPECT_THAT(key, Not(EndsWith(kSureKey)));
   const Map whole = readMap(copy);
   writeMap(folder_ / "written.flmap", whole);
   EXPECT_TRUE(sureThresholdOf(readMap(folder_ / "written.flmap"))) << "a copy is as good";
@@ -130,4 +120,4 @@ TEST_F(Tools, CheckFindsAThresholdThatIsImpossible) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

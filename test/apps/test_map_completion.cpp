@@ -6,27 +6,22 @@
 #include <facetloc/localization/place_index.h>
 #include <facetloc/testing/synthetic_views.h>
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::contentOf;
-using test::TemporaryFolder;
 
 constexpr CameraMounting kMounting{1.0, 10.0};
 
 Map copiesOfAView(int n) {
   Map map;
   map.camera.mounting = kMounting;
-  View view = viewFrom(test::box({-1, -2, 0}, {5, 3, 2.5}), kMounting.T_b_c(), 1);
+  View view = viewFrom(box({-1, -2, 0}, {5, 3, 2.5}), kMounting.T_b_c(), 1);
   view.depth = {};
   for (int i = 0; i < n; ++i) map.models.emplace_back(std::to_string(i), 0, kMounting.T_b_c(), view);
   return map;
 }
 
 void complete(const std::string& path) {
-  test::captured([&](const Console& console) { return completeMap(path, 1, console), kOk; });
+  captured([&](const Console& console) { return completeMap(path, 1, console), kOk; });
 }
 
 bool hasItsIndex(const std::string& path) {
@@ -35,9 +30,10 @@ bool hasItsIndex(const std::string& path) {
   return written && PlaceIndex::read(*written, map).has_value();
 }
 
-TEST(MapCompletion, AnIndexIsWrittenWhereItWillBeRead) {
-  const TemporaryFolder folder;
-  const std::string path = folder / "large.flmap";
+using MapCompletion = InAFolder;
+
+TEST_F(MapCompletion, AnIndexIsWrittenWhereItWillBeRead) {
+  const std::string path = folder_ / "large.flmap";
   writeMap(path, copiesOfAView(401));
   EXPECT_FALSE(hasItsIndex(path));
   complete(path);
@@ -47,9 +43,8 @@ TEST(MapCompletion, AnIndexIsWrittenWhereItWillBeRead) {
   EXPECT_EQ(contentOf(path), bytes) << "nothing was missing";
 }
 
-TEST(MapCompletion, AnIndexOfAnotherMapIsReplaced) {
-  const TemporaryFolder folder;
-  const std::string path = folder / "large.flmap";
+TEST_F(MapCompletion, AnIndexOfAnotherMapIsReplaced) {
+  const std::string path = folder_ / "large.flmap";
   Map map = copiesOfAView(401);
   writeMap(path, map);
   std::swap(map.models[1].name, map.models[2].name);
@@ -60,40 +55,36 @@ TEST(MapCompletion, AnIndexOfAnotherMapIsReplaced) {
   EXPECT_TRUE(hasItsIndex(path));
 }
 
-TEST(MapCompletion, AMapThatIsReadAsAWholeNeedsNoIndex) {
-  const TemporaryFolder folder;
-  const std::string path = folder / "small.flmap";
+TEST_F(MapCompletion, AMapThatIsReadAsAWholeNeedsNoIndex) {
+  const std::string path = folder_ / "small.flmap";
   writeMap(path, copiesOfAView(3));
   const std::string bytes = contentOf(path);
   complete(path);
   EXPECT_EQ(contentOf(path), bytes);
 }
 
-TEST(MapCompletion, AnIndexGoesIntoAMapFileAsItIsWritten) {
-  const TemporaryFolder folder;
-  const std::string path = folder / "large.flmap";
+TEST_F(MapCompletion, AnIndexGoesIntoAMapFileAsItIsWritten) {
+  const std::string path = folder_ / "large.flmap";
   const Map map = copiesOfAView(401);
   writeMap(path, map, placeIndexOf(map));
   EXPECT_TRUE(hasItsIndex(path));
 }
 
-TEST(MapCompletion, TheMountingIsFoundByTheFloor) {
-  const TemporaryFolder folder;
-  const std::string path = folder / "small.flmap";
+TEST_F(MapCompletion, TheMountingIsFoundByTheFloor) {
+  const std::string path = folder_ / "small.flmap";
   Map map = copiesOfAView(12);
   map.camera.mounting.reset();
   for (std::size_t i = 0; i < map.models.size(); ++i)
     map.models[i].T_w_m->translation().x() += 0.3 * static_cast<double>(i);
   writeMap(path, map);
   const auto complete = [&] {
-    return test::captured([&](const Console& console) { return completeMap(path, 1, console, true), kOk; })
-        .out;
+    return captured([&](const Console& console) { return completeMap(path, 1, console, true), kOk; }).out;
   };
-  EXPECT_THAT(complete(), testing::HasSubstr("the camera is mounted"));
+  EXPECT_THAT(complete(), HasSubstr("the camera is mounted"));
   ASSERT_TRUE(openMap(path).camera.mounting);
   EXPECT_TRUE(openMap(path).camera.mounting->agreesWith(kMounting));
   EXPECT_EQ(complete(), "") << "it is known";
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

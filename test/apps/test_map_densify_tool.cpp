@@ -4,18 +4,10 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/mapping/densified_map.h>
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::runMap;
-using test::Tools;
-using testing::HasSubstr;
-using testing::Not;
 
 const std::vector<std::string> kFew = {"--densify.rotation_deg", "40"};
 
@@ -30,7 +22,7 @@ TEST_F(Tools, DensifiedMapIsSoundAndSaysSo) {
   const auto run = runMap(densifying({map(), "-o", dense}));
   ASSERT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(run.out, HasSubstr("rendered from the depth pictures of"));
-  EXPECT_EQ(runMap({"check", dense}).code, kOk);
+  ok(runMap({"check", dense}));
   const Map before = readMap(map()), after = readMap(dense);
   const std::vector<char> rendered = renderedViews(after);
   const auto n = static_cast<std::size_t>(std::count(rendered.begin(), rendered.end(), 1));
@@ -40,7 +32,7 @@ TEST_F(Tools, DensifiedMapIsSoundAndSaysSo) {
   EXPECT_THAT(runMap({"info", dense}).out, HasSubstr("rendered beside the drive  " + std::to_string(n)));
   EXPECT_THAT(runMap({"info", map()}).out, Not(HasSubstr("rendered beside")));
 
-  ASSERT_EQ(runMap(densifying({dense, "-o", again})).code, kOk);
+  ok(runMap(densifying({dense, "-o", again})));
   const Map twice = readMap(again);
   ASSERT_EQ(twice.models.size(), after.models.size());
   EXPECT_EQ(twice.links.size(), after.links.size());
@@ -56,11 +48,11 @@ TEST_F(Tools, DensifyLeavesMapsAloneThatItCannotUse) {
   EXPECT_THAT(runMap({"densify", folder_ / "none.flmap"}).err, HasSubstr("is not there"));
   fs::copy_file(map(), copy);
   EXPECT_THAT(runMap({"densify", map(), "-o", copy}).err, HasSubstr("exists already"));
-  EXPECT_EQ(test::contentOf(copy), test::contentOf(map()));
+  EXPECT_EQ(contentOf(copy), contentOf(map()));
   fs::copy_file(firstImage(), broken);
-  const std::string bytes = test::contentOf(broken);
+  const std::string bytes = contentOf(broken);
   EXPECT_EQ(runMap({"densify", broken}).code, kFailed);
-  EXPECT_EQ(test::contentOf(broken), bytes);
+  EXPECT_EQ(contentOf(broken), bytes);
   EXPECT_EQ(runMap({"densify", copy, "--densify.reach", "-1"}).code, kUsage);
   EXPECT_THAT(runMap({"densify", copy, "--overwrite"}).err, HasSubstr("overwrite belongs to --output"));
 
@@ -71,12 +63,12 @@ TEST_F(Tools, DensifyLeavesMapsAloneThatItCannotUse) {
     model.setView(std::move(view));
   }
   writeMap(copy, unposed);
-  const std::string before = test::contentOf(copy);
+  const std::string before = contentOf(copy);
   const auto refused = runMap({"densify", copy});
   EXPECT_EQ(refused.code, kFailed);
   EXPECT_THAT(refused.err, HasSubstr("no local model with a pose and a depth picture"));
-  EXPECT_EQ(test::contentOf(copy), before);
+  EXPECT_EQ(contentOf(copy), before);
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

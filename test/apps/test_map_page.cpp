@@ -11,16 +11,8 @@
 
 #include <facetloc/io/error.h>
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::Browser;
-using test::ExampleScene;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
 
 const Eigen::Isometry3d kRight = ExampleScene::pose(0.2, 0.15, -4), kWrong = ExampleScene::pose(1.6, 0.6, 30);
 
@@ -56,12 +48,12 @@ MapPage examplePage(const Map& map) {
 
 /** The page with a script of a visitor at its end; press() clicks on the scene at (x, y) pixels. */
 std::string visited(const std::string& page, const std::string& script) {
-  const std::string html = test::contentOf(page), end = "</body>", path = page + ".visited.html";
+  const std::string html = contentOf(page), end = "</body>", path = page + ".visited.html";
   const std::string press = "function press(at) { for (const type of ['pointerdown', 'pointerup']) "
                             "document.getElementById('scene').dispatchEvent("
                             "new PointerEvent(type, {clientX: at[0], clientY: at[1], bubbles: true})); }";
   const std::size_t at = html.rfind(end);
-  test::writeContent(path, html.substr(0, at) + "<script>" + press + script + "</script>" + html.substr(at));
+  writeContent(path, html.substr(0, at) + "<script>" + press + script + "</script>" + html.substr(at));
   return path;
 }
 
@@ -78,14 +70,14 @@ protected:
   }
   /** The elements after a visitor's script; nothing may be said on the console. */
   std::string elements(const std::string& script) {
-    const test::ToolRun run = browser_.elementsOf(visited(path_, script));
+    const ToolRun run = browser_.elementsOf(visited(path_, script));
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
     return run.out.substr(std::min(run.out.size(), run.out.find("<canvas")),
                           run.out.find("<script id=\"data\"") - run.out.find("<canvas"));
   }
 
-  const test::TemporaryFolder folder_;
+  const TemporaryFolder folder_;
   const std::string path_ = folder_ / "page.html";
   const Map map_ = ExampleScene().map();
   Browser browser_;
@@ -96,9 +88,8 @@ TEST_F(MapInBrowser, DrawsEverything) {
   const std::string found =
       elements("document.getElementById('fault').textContent = facetloc.triangles() + ' triangles';");
   // Two triangles for each of 3 x 7 rectangles, six for each of 2 cameras that are shown, and two balls.
-  EXPECT_THAT(found, HasSubstr(std::to_string(2 * 21 + 6 * 2 + 2 * 2 * 20 * (14 - 1)) + " triangles"));
-  EXPECT_THAT(found, HasSubstr("3 local models, 21 segments, 2 links"));
-  EXPECT_THAT(found, HasSubstr("1 sure and wrong"));
+  EXPECT_THAT(found, HasAll(std::to_string(2 * 21 + 6 * 2 + 2 * 2 * 20 * (14 - 1)) + " triangles",
+                            "3 local models, 21 segments, 2 links", "1 sure and wrong"));
 }
 
 TEST_F(MapInBrowser, AClickAnswers) {
@@ -108,14 +99,10 @@ TEST_F(MapInBrowser, AClickAnswers) {
                                   .size();
   ASSERT_GT(matches, 3u);
   const std::string first = elements("press(facetloc.answerOnScreen(0));");
-  EXPECT_THAT(first, HasSubstr("<h2>Image first</h2>"));
-  EXPECT_THAT(first, HasSubstr("0.20, 0.15, 1.00 m"));
-  EXPECT_THAT(first, HasSubstr(std::to_string(matches) + " matched segments"));
-  EXPECT_THAT(first, HasSubstr("local model start"));
+  EXPECT_THAT(first, HasAll("<h2>Image first</h2>", "0.20, 0.15, 1.00 m",
+                            std::to_string(matches) + " matched segments", "local model start"));
   const std::string second = elements("press(facetloc.answerOnScreen(1));");
-  EXPECT_THAT(second, HasSubstr("<h2>Image second</h2>"));
-  EXPECT_THAT(second, HasSubstr("sure, and wrong"));
-  EXPECT_THAT(second, HasSubstr("1.47 m, 34.00°"));
+  EXPECT_THAT(second, HasAll("<h2>Image second</h2>", "sure, and wrong", "1.47 m, 34.00°"));
   EXPECT_THAT(elements("press([2, 300]);"), Not(HasSubstr("<h2>")));
 }
 
@@ -123,9 +110,7 @@ TEST_F(MapInBrowser, TheSliderGoesThroughTime) {
   writeMapPage(path_, map_, examplePage(map_));
   const std::string found = elements("const moment = document.getElementById('moment'); moment.value = '2'; "
                                      "moment.dispatchEvent(new Event('input'));");
-  EXPECT_THAT(found, HasSubstr("<h2>Image third</h2>"));
-  EXPECT_THAT(found, HasSubstr("the view shows no planar segment"));
-  EXPECT_THAT(found, HasSubstr("3/3 third"));
+  EXPECT_THAT(found, HasAll("<h2>Image third</h2>", "the view shows no planar segment", "3/3 third"));
 }
 
 TEST_F(MapInBrowser, NamesAreText) {
@@ -137,12 +122,11 @@ TEST_F(MapInBrowser, NamesAreText) {
   page.title = hostile + "@DATA@";
   page.answers[0].frame = page.answers[0].reason = page.runs[0].name = hostile;
   writeMapPage(path_, map, page);
-  const test::ToolRun run = browser_.elementsOf(visited(path_, "press(facetloc.answerOnScreen(0));"));
+  const ToolRun run = browser_.elementsOf(visited(path_, "press(facetloc.answerOnScreen(0));"));
   EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
-  EXPECT_THAT(run.out, Not(HasSubstr("<title>taken")));
-  EXPECT_THAT(run.out, HasSubstr("<title>" + htmlEscaped("</script><img").substr(0, 9)));
-  EXPECT_THAT(run.out, HasSubstr("<h2>Image &lt;/script&gt;&lt;img src=x"));
-  EXPECT_THAT(run.out, Not(HasSubstr("<img")));
+  EXPECT_THAT(run.out,
+              HasAll(Not(HasSubstr("<title>taken")), "<title>" + htmlEscaped("</script><img").substr(0, 9),
+                     "<h2>Image &lt;/script&gt;&lt;img src=x", Not(HasSubstr("<img"))));
 }
 
 TEST_F(MapInBrowser, LooksAsItDid) {
@@ -151,10 +135,10 @@ TEST_F(MapInBrowser, LooksAsItDid) {
   const std::string page = visited(
       path_,
       "for (const tag of ['header', 'footer']) document.querySelector(tag).style.visibility = 'hidden';");
-  const test::ToolRun run = browser_.photograph(page, folder_ / "page.png", 480, 360);
+  const ToolRun run = browser_.photograph(page, folder_ / "page.png", 480, 360);
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
-  test::expectLikeGolden("map_page", test::readRgbPng(folder_ / "page.png"));
+  expectLikeGolden("map_page", readRgbPng(folder_ / "page.png"));
 }
 
 TEST(MapPageData, LeavesOutOtherPartsAndSaysSo) {
@@ -208,4 +192,4 @@ TEST(Thumbnail, IsAJpegOfTheDepth) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

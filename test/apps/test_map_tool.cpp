@@ -4,27 +4,19 @@
 
 #include <facetloc/io/map_database.h>
 
-#include <gmock/gmock.h>
 #include <pcl/conversions.h>
 #include <pcl/io/ply_io.h>
 #include <pcl/point_types.h>
 
 #include <cmath>
-#include <sstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::filesOf;
-using test::runMap;
-using test::Tools;
-using testing::HasSubstr;
 
 TEST_F(Tools, MapMergeAndExport) {
   const std::string twin = folder_ / "twin.flmap", merged = folder_ / "merged.flmap";
   fs::copy_file(map(), twin);
-  ASSERT_EQ(runMap({"merge", map(), twin, "-o", merged}).code, kOk);
+  ok(runMap({"merge", map(), twin, "-o", merged}));
   const Map one = readMap(map()), both = readMap(merged);
   ASSERT_EQ(both.models.size(), 2 * one.models.size());
   EXPECT_EQ(both.links.size(), 2 * one.links.size());
@@ -36,15 +28,15 @@ TEST_F(Tools, MapMergeAndExport) {
 
   const std::string other = folder_ / "other/map.flmap";
   fs::create_directories(folder_ / "other");
-  ASSERT_EQ(runMap({"build", query(), "-o", other, "--every", "6"}).code, kOk);
-  ASSERT_EQ(runMap({"merge", map(), other, "-o", folder_ / "both.flmap", "--same-coordinates"}).code, kOk);
+  ok(runMap({"build", query(), "-o", other, "--every", "6"}));
+  ok(runMap({"merge", map(), other, "-o", folder_ / "both.flmap", "--same-coordinates"}));
   const Map of_both = readMap(folder_ / "both.flmap");
   EXPECT_NE(of_both.meta.at("map.source"), of_both.meta.at("map_2.source"));
 
-  ASSERT_EQ(runMap({"export", map(), "-o", folder_ / "export"}).code, kOk);
+  ok(runMap({"export", map(), "-o", folder_ / "export"}));
   const auto exported = [this] { return filesOf(folder_ / "export/models").size(); };
   const std::size_t models = exported();
-  ASSERT_EQ(runMap({"export", other, "-o", folder_ / "export"}).code, kOk);
+  ok(runMap({"export", other, "-o", folder_ / "export"}));
   EXPECT_EQ(exported(), 2u);
   EXPECT_GT(models, 2u);
   EXPECT_TRUE(fs::exists(folder_ / "export/graph.g2o"));
@@ -52,7 +44,7 @@ TEST_F(Tools, MapMergeAndExport) {
 
 TEST_F(Tools, MapIsExportedAsAMesh) {
   const std::string ply = folder_ / "map.ply";
-  ASSERT_EQ(runMap({"export", map(), "--ply", ply}).code, kOk);
+  ok(runMap({"export", map(), "--ply", ply}));
   pcl::PolygonMesh mesh;
   ASSERT_EQ(pcl::io::loadPLYFile(ply, mesh), 0);
   const Map posed = readMap(map());
@@ -70,13 +62,13 @@ TEST_F(Tools, MapIsExportedAsAMesh) {
   for (LocalModel& model : bare.models) model.T_w_m.reset();
   bare.links.clear();
   writeMap(folder_ / "bare.flmap", bare);
-  EXPECT_EQ(runMap({"export", folder_ / "bare.flmap", "--ply", ply}).code, kOk);  // its first part
+  ok(runMap({"export", folder_ / "bare.flmap", "--ply", ply}));  // its first part
 }
 
 TEST_F(Tools, MapTakesThePosesOfAGraph) {
   const std::string graph = folder_ / "map.g2o", moved = folder_ / "moved.flmap";
-  ASSERT_EQ(runMap({"export", map(), "--g2o", graph}).code, kOk);
-  std::istringstream lines(test::contentOf(graph));
+  ok(runMap({"export", map(), "--g2o", graph}));
+  std::istringstream lines(contentOf(graph));
   std::string optimized;
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
@@ -87,14 +79,14 @@ TEST_F(Tools, MapTakesThePosesOfAGraph) {
     optimized +=
         tag == "VERTEX_SE3:QUAT" ? tag + " " + id + " " + std::to_string(x + 1) + rest + "\n" : line + "\n";
   }
-  test::writeContent(graph, optimized);
-  ASSERT_EQ(runMap({"import", map(), "--g2o", graph, "-o", moved}).code, kOk);
+  writeContent(graph, optimized);
+  ok(runMap({"import", map(), "--g2o", graph, "-o", moved}));
   const Map before = readMap(map()), after = readMap(moved);
   ASSERT_EQ(after.models.size(), before.models.size());
   for (std::size_t i = 0; i < after.models.size(); ++i)
     EXPECT_NEAR(after.models[i].givenPose()->translation().x(), before.models[i].T_w_m->translation().x() + 1,
                 1e-5);
-  EXPECT_EQ(runMap({"check", moved}).code, kOk);
+  ok(runMap({"check", moved}));
   EXPECT_EQ(runMap({"import", map(), "--g2o", graph, "-o", moved}).code, kFailed);  // exists
   EXPECT_EQ(runMap({"import", map(), "-o", moved}).code, kUsage);
   EXPECT_EQ(runMap({"export", map()}).code, kUsage);
@@ -109,8 +101,7 @@ TEST_F(Tools, MapInfoListsThePartsOfATopologicalMap) {
   bare.links.erase(bare.links.begin());
   writeMap(folder_ / "parts.flmap", bare);
   EXPECT_THAT(runMap({"info", folder_ / "parts.flmap"}).out,
-              testing::AllOf(HasSubstr(models + ", in 2 parts\n"), HasSubstr(bare.models[0].name),
-                             HasSubstr("1 local model\n")));
+              HasAll(models + ", in 2 parts\n", bare.models[0].name, "1 local model\n"));
 }
 
 TEST_F(Tools, MapCommandsAreKnown) {
@@ -123,10 +114,10 @@ TEST_F(Tools, MapCommandsAreKnown) {
     EXPECT_EQ(runMapTool({option}, Console{full, err, false, false, {}}), kFailed) << option;
     EXPECT_THAT(err.str(), HasSubstr("cannot be written"));
   }
-  test::writeContent(folder_ / "broken.flmap", "not a map");
+  writeContent(folder_ / "broken.flmap", "not a map");
   EXPECT_EQ(runMap({"check", folder_ / "broken.flmap"}).code, kFailed);
   EXPECT_EQ(runMap({"info", folder_ / "broken.flmap"}).code, kFailed);
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

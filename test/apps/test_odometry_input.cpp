@@ -7,21 +7,13 @@
 #include <facetloc/io/error.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
 #include <sys/stat.h>
-#include <thread>
 
 namespace facetloc::test {
 namespace {
 
 using Clock = OdometryInput::Clock;
 using std::chrono::milliseconds;
-using testing::AllOf;
-using testing::HasSubstr;
 
 const CameraMounting kMounting{0.98, 10};
 
@@ -44,12 +36,7 @@ Eigen::Isometry3d ahead(double x, double turn = 0) {
 }
 
 std::string faultOf(const std::string& line, const std::optional<CameraMounting>& mounting = kMounting) {
-  try {
-    parseOdometry(line, mounting);
-  } catch (const std::invalid_argument& e) {
-    return e.what();
-  }
-  return {};
+  return messageOf<std::invalid_argument>([&] { parseOdometry(line, mounting); });
 }
 
 TEST(OdometryLine, IsInTheFormOfTheStream) {
@@ -74,18 +61,13 @@ TEST(OdometryLine, WithFaultsSaysThem) {
   EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2,3]}}"), HasSubstr("quaternion"));
   EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2]," + good + "}}"), HasSubstr("position"));
   EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2,\"x\"]," + good + "}}"), HasSubstr("position"));
-  EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2,1e999]," + good + "}}"), testing::Not(""));
+  EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2,1e999]," + good + "}}"), Not(""));
   EXPECT_THAT(faultOf("{\"T_w_b\":{\"position\":[1,2,3],\"quaternion\":[0,0,0,2]}}"), HasSubstr("rotation"));
   EXPECT_THAT(faultOf(lineOf(ahead(1), "T_w_b", 1), {}), HasSubstr("mounting"));
 }
 
 std::string faultOfLine(const std::string& line, const std::optional<CameraMounting>& mounting = kMounting) {
-  try {
-    parseRobotLine(line, mounting);
-  } catch (const RobotCommandError& e) {
-    return e.what();
-  }
-  return {};
+  return messageOf<RobotCommandError>([&] { parseRobotLine(line, mounting); });
 }
 
 std::string poseLine(const std::string& inner) { return "{\"pose\":" + inner + "}\n"; }
@@ -160,7 +142,7 @@ TEST_F(OdometryFiles, SayTheFirstFaultOnceAndGoOn) {
                           lineOf(ahead(1), "T_w_c", {}) + lineOf(ahead(2), "T_w_c", 1.1)),
                       {});
   while (!at(input, 1.1)) std::this_thread::yield();
-  EXPECT_THAT(input.fault(), AllOf(HasSubstr("line 2 is no odometry"), HasSubstr("no JSON object")));
+  EXPECT_THAT(input.fault(), HasAll("line 2 is no odometry", "no JSON object"));
   EXPECT_EQ(input.fault(), "");
   EXPECT_TRUE(at(input, 1.05)->isApprox(ahead(1.5), 1e-9));
 }
@@ -178,9 +160,7 @@ TEST_F(OdometryFiles, MayHoldCommandsAndNameEachFaultOfThem) {
   EXPECT_TRUE(input.takeRelocalize());
   EXPECT_FALSE(input.takeRelocalize());
   input.refuse(*start, "it is in no part");
-  EXPECT_THAT(input.fault(), HasSubstr("line 3"));
-  EXPECT_THAT(input.fault(), HasSubstr("line 4"));
-  EXPECT_THAT(input.fault(), HasSubstr("line 6: it is in no part"));
+  EXPECT_THAT(input.fault(), HasAll("line 3", "line 4", "line 6: it is in no part"));
   EXPECT_EQ(input.fault(), "");
 }
 
@@ -249,10 +229,9 @@ TEST_F(LiveOdometry, IsReadFromAFileAndFromStandardInput) {
 
 TEST_F(LiveOdometry, WithoutAUseOrAFileIsAnError) {
   EXPECT_EQ(runLive({"--device", sequence(), "--headless", "--odometry", "-"}).code, kUsage);
-  const ToolRun run =
-      runLive({"--device", sequence(), "--map", map(), "--headless", "--odometry", folder_ / "nowhere"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("nowhere: does not exist"));
+  EXPECT_THAT(
+      runLive({"--device", sequence(), "--map", map(), "--headless", "--odometry", folder_ / "nowhere"}),
+      fails("nowhere: does not exist"));
 }
 
 }  // namespace

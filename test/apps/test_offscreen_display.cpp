@@ -3,11 +3,9 @@
 #include "drawing/pictures.h"
 #include "tool_runner.h"
 
-#include <gmock/gmock.h>
-
 #include <optional>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 /** Sets a variable of the environment for the life of the object. */
@@ -40,22 +38,22 @@ TEST(OffscreenDisplay, NamesTheCauseOfFailure) {
   const Environment display("DISPLAY", nullptr), path("PATH", "/nonexistent");
   const OffscreenDisplay offscreen;
   EXPECT_FALSE(offscreen.available());
-  EXPECT_THAT(offscreen.problem(), testing::HasSubstr("xvfb"));
+  EXPECT_THAT(offscreen.problem(), HasSubstr("xvfb"));
 }
 
 TEST(Runs, LookTheSameEachTime) {
   const Environment display("DISPLAY", nullptr);
   const OffscreenDisplay offscreen;
   if (!offscreen.available()) GTEST_SKIP() << offscreen.problem();
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Eigen::Isometry3d start = Eigen::Isometry3d::Identity(), end(Eigen::Translation3d(2, 1, 0));
   const PlanView above(Eigen::Vector3d::UnitZ());
   drawRuns(folder / "a.png", above, {{"walk", {start, end}}, {"nothing", {}}});
   drawRuns(folder / "b.png", above, {{"walk", {start, end}}, {"nothing", {}}});
-  const std::string a = test::contentOf(folder / "a.png");
+  const std::string a = contentOf(folder / "a.png");
   EXPECT_EQ(a.substr(1, 3), "PNG");
-  EXPECT_EQ(a, test::contentOf(folder / "b.png"));
+  EXPECT_EQ(a, contentOf(folder / "b.png"));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

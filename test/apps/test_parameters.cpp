@@ -16,23 +16,10 @@
 #include <facetloc/simulation/simulated_odometry.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
-#include <sstream>
-#include <string>
-#include <vector>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::kCalibration;
-using test::TemporaryFolder;
-using testing::HasSubstr;
-using testing::Not;
 
 /** Flag of each parameter, by the title of its group and its name: is it for users? A group that
  * several structs have counts once. */
@@ -88,7 +75,7 @@ TEST(Calibration, OutOfItsRangeIsRefused) {
 }
 
 TEST(Calibration, IsReadFromAFileOfParametersAndNotOffered) {
-  const std::string help = test::runTool<LocalizeApp>({"--help-all"}).out;
+  const std::string help = runTool<LocalizeApp>({"--help-all"}).out;
   EXPECT_THAT(help, Not(HasSubstr("--calibration")));
   const auto users = help.find("For users:"), experts = help.find("--ekf.iterations");
   ASSERT_NE(users, std::string::npos);
@@ -99,7 +86,7 @@ TEST(Calibration, IsReadFromAFileOfParametersAndNotOffered) {
   CommandLine line("tool", "", "");
   GlobalLocalizationParams params;
   addLocalizationOptions(line, params);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder / "own.ini";
   std::ofstream(path) << "[calibration.score]\ncoplanar_weight = 0\n";
   std::ostringstream out;
@@ -109,4 +96,4 @@ TEST(Calibration, IsReadFromAFileOfParametersAndNotOffered) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -11,13 +11,8 @@
 #include <facetloc/io/error.h>
 #include <facetloc/testing/changed_views.h>
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::ExampleScene;
-using testing::ElementsAre;
 
 const Eigen::Isometry3d kQueryPose = ExampleScene::pose(0.2, 0.15, -4);
 
@@ -41,14 +36,14 @@ TEST(DepthDrawing, AlphaMixesColours) {
 
 TEST(DepthDrawing, OutlineIsGolden) {
   const SeenImage image = ExampleScene().see("x", kQueryPose);
-  test::expectGolden("outline", overlay(image.depth, image.labels));
+  expectGolden("outline", overlay(image.depth, image.labels));
 }
 
 TEST(DepthDrawing, SegmentsOfAViewAreGolden) {
   const View view = ExampleScene().see("x", kQueryPose).view;
   Raster<std::uint8_t> picture = greyDepth(depthOf(view));
   paintSegments(picture, seenSegments(view), someColours(view.segments.size()));
-  test::expectGolden("seen_segments", picture);
+  expectGolden("seen_segments", picture);
 }
 
 TEST(DepthDrawing, SegmentsAreSeenWhereTheyAre) {
@@ -129,7 +124,7 @@ TEST(Failures, AreWrongOrMissingAnswers) {
   EXPECT_EQ(failures[1].frame, "second");
   EXPECT_EQ(failures[2].frame, "missing");
   EXPECT_EQ(failures[2].answers[0].model, -1);
-  EXPECT_THAT(failures[2].answers[0].caption, testing::HasSubstr("two planes only"));
+  EXPECT_THAT(failures[2].answers[0].caption, HasSubstr("two planes only"));
   EXPECT_EQ(failures[0].answers[0].model, 2);
   EXPECT_EQ(failures[0].answers[1].model, 1);
   EXPECT_TRUE((*map.models[1].T_w_m * failures[0].answers[1].T_m_c).isApprox(kQueryPose, 1e-12));
@@ -171,7 +166,7 @@ protected:
   }
 
   /** Half the size: small files, and no trifles. */
-  Raster<std::uint8_t> written() const { return averaged(test::readRgbPng(path_), 2); }
+  Raster<std::uint8_t> written() const { return averaged(readRgbPng(path_), 2); }
   std::vector<DrawnMatch> answers() const {
     return {{1, map_.models[1].T_w_m->inverse() * kQueryPose, "rank 1, probability 0.93"},
             {-1, Eigen::Isometry3d::Identity(), "no hypothesis"}};
@@ -187,7 +182,7 @@ protected:
   const ExampleScene scene_;
   const Map map_ = scene_.map();
   const SeenImage query_ = scene_.see("query", kQueryPose);
-  const test::TemporaryFolder folder_;
+  const TemporaryFolder folder_;
   const std::string path_ = folder_ / "picture.png";
 
 private:
@@ -197,17 +192,17 @@ std::unique_ptr<OffscreenDisplay> Pictures::display_;
 
 TEST_F(Pictures, SegmentationIsGolden) {
   drawSegmentation(path_, query_);
-  test::expectLikeGolden("segmentation", written());
+  expectLikeGolden("segmentation", written());
 }
 
 TEST_F(Pictures, FloorMapIsGolden) {
   drawFloorMap(path_, map_, runs(), marks());
-  test::expectLikeGolden("floor_map", written());
+  expectLikeGolden("floor_map", written());
 }
 
 TEST_F(Pictures, MatchesAreGolden) {
   drawMatches(path_, query_, map_, answers());
-  test::expectLikeGolden("matches", written());
+  expectLikeGolden("matches", written());
 }
 
 TEST_F(Pictures, BeliefsAreGolden) {
@@ -222,20 +217,20 @@ TEST_F(Pictures, BeliefsAreGolden) {
                                             {"2", "image 2: sure", {placeAt(1, 0.95, 0.02)}, true, {}},
                                             {"3", "image 3: unknown", {}, false, {}}};
   drawBeliefs(path_, map_, beliefs);
-  test::expectLikeGolden("beliefs", written());
-  const std::string first = test::contentOf(path_);
+  expectLikeGolden("beliefs", written());
+  const std::string first = contentOf(path_);
   drawBeliefs(path_, map_, beliefs);
-  EXPECT_EQ(first, test::contentOf(path_));
+  EXPECT_EQ(first, contentOf(path_));
   EXPECT_THROW(drawBeliefs(path_, map_, {}), std::invalid_argument);
   EXPECT_THROW(drawBeliefs(path_, Map(), beliefs), IoError);
 }
 
 TEST_F(Pictures, AMissingElementIsNoticed) {
-  if (test::updatesGolden()) GTEST_SKIP();
-  const Raster<std::uint8_t> golden = test::readRgbPng(test::goldenPath("floor_map"));
+  if (updatesGolden()) GTEST_SKIP();
+  const Raster<std::uint8_t> golden = readRgbPng(goldenPath("floor_map"));
   const auto lacks = [&](const Map& map, const std::vector<DrawnRun>& runs) {
     drawFloorMap(path_, map, runs, marks());
-    return test::strangePixels(golden, written());
+    return strangePixels(golden, written());
   };
   Map unlinked = map_;
   unlinked.links.pop_back();
@@ -249,9 +244,9 @@ TEST_F(Pictures, AMissingElementIsNoticed) {
 TEST_F(Pictures, AreTheSameEachTime) {
   const auto twice = [&](const auto& draw) {
     draw(path_);
-    const std::string first = test::contentOf(path_);
+    const std::string first = contentOf(path_);
     draw(path_);
-    return !first.empty() && first == test::contentOf(path_);
+    return !first.empty() && first == contentOf(path_);
   };
   EXPECT_TRUE(twice([&](const auto& path) { drawSegmentation(path, query_); }));
   EXPECT_TRUE(twice([&](const auto& path) { drawFloorMap(path, map_, runs(), marks()); }));
@@ -276,10 +271,10 @@ TEST_F(Pictures, AModelWithoutDepthIsDrawn) {
   Map map = map_;
   drawMatches(path_, query_, map, answers());
   const Raster<std::uint8_t> with_depth = written();
-  test::changeView(map, 1, [](View& view) { view.depth = {}; });
+  changeView(map, 1, [](View& view) { view.depth = {}; });
   drawMatches(path_, query_, map, answers());
   EXPECT_EQ(written().width, with_depth.width);
-  EXPECT_GT(test::strangePixels(with_depth, written()), 100);  // its segments stand before an empty ground
+  EXPECT_GT(strangePixels(with_depth, written()), 100);  // its segments stand before an empty ground
 }
 
 TEST_F(Pictures, AMapNeedsPoses) {
@@ -304,4 +299,4 @@ TEST_F(Pictures, AFileThatCannotBeWrittenIsAnError) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -7,23 +7,14 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
 #include <arpa/inet.h>
 #include <json/json.h>
 #include <set>
-#include <sstream>
 #include <sys/socket.h>
 #include <sys/time.h>
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
 
 Json::Value parsed(const std::string& line) {
   Json::Value value;
@@ -60,7 +51,7 @@ void expectBySchema(const Json::Value& answer) {
   const auto names = answer.getMemberNames();
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()), wanted);
   EXPECT_THAT((std::vector<std::string>{"sure", "doubtful", "unknown"}),
-              testing::Contains(answer["state"].asString()));
+              Contains(answer["state"].asString()));
   EXPECT_TRUE(answer["stamp"].isDouble());
   EXPECT_TRUE(answer["reason"].isString());
   for (const char* pose : {"T_w_c", "T_w_b"})
@@ -168,10 +159,8 @@ class StreamOfImages : public Tools {};
 TEST_F(StreamOfImages, LocalizeWritesEachImageAndNothingElse) {
   for (const std::vector<std::string>& options :
        {std::vector<std::string>{}, {"--sequence"}, {"--sequence", "--smooth"}}) {
-    std::vector<std::string> arguments = {map(), query(), "-o", folder_ / "results", "--stream"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    const ToolRun run = runTool<LocalizeApp>(arguments);
-    ASSERT_EQ(run.code, kOk) << run.err;
+    const ToolRun run =
+        ok(runTool<LocalizeApp>(Arguments{map(), query(), "-o", folder_ / "results", "--stream"} + options));
     EXPECT_THAT(run.err, HasSubstr("results in"));
     const auto lines = linesIn(run.out);
     ASSERT_EQ(lines.size(), static_cast<std::size_t>(kFrames));

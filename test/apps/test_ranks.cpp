@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools under mpirun, as a user runs them: several processes write the same as one.
+#include "../io/sql.h"
 #include "batch/ranks.h"
 #include "process.h"
 #include "tools/localize_app.h"
@@ -11,31 +12,11 @@
 #include <facetloc/io/results.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-#include <sqlite3.h>
-
 #include <algorithm>
-#include <cstdlib>
-#include <fcntl.h>
 #include <sys/stat.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::eventually;
-using test::kLocalizeTool;
-using test::kMapTool;
-using test::kMpirun;
-using test::kSegmentTool;
-using test::lastLine;
-using test::Process;
-using test::runTool;
-using test::TemporaryFolder;
-using test::ToolRun;
-using testing::AllOf;
-using testing::HasSubstr;
 
 constexpr int kFrames = 13;  // not a multiple of the numbers of ranks
 
@@ -58,16 +39,15 @@ std::vector<std::string> mpirun(int ranks, const std::vector<std::string>& comma
   // Open MPI refuses to run as root, and more ranks than cores, unless asked. One run that ends removes the
   // folder of sessions in which another one begins, unless each process has a folder of its own.
   static const TemporaryFolder sessions;
-  std::vector<std::string> all = {"/usr/bin/env",
-                                  "OMPI_ALLOW_RUN_AS_ROOT=1",
-                                  "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
-                                  "OMPI_MCA_rmaps_base_oversubscribe=1",
-                                  "OMPI_MCA_orte_tmpdir_base=" + sessions / "",
-                                  kMpirun,
-                                  "-np",
-                                  std::to_string(ranks)};
-  all.insert(all.end(), command.begin(), command.end());
-  return all;
+  return Arguments{"/usr/bin/env",
+                   "OMPI_ALLOW_RUN_AS_ROOT=1",
+                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
+                   "OMPI_MCA_rmaps_base_oversubscribe=1",
+                   "OMPI_MCA_orte_tmpdir_base=" + sessions / "",
+                   kMpirun,
+                   "-np",
+                   std::to_string(ranks)} +
+         command;
 }
 
 ToolRun runRanks(int ranks, const std::vector<std::string>& command) {
@@ -159,43 +139,38 @@ std::unique_ptr<TemporaryFolder> RanksTest::room_;
 class NumberOfRanks : public RanksTest {};
 
 TEST_P(NumberOfRanks, SegmentsAreTheSame) {
-  ASSERT_EQ(runTool<SegmentApp>({query(), "-o", folder_ / "one", "--labels", "--overlay"}).code, kOk);
+  ok(runTool<SegmentApp>({query(), "-o", folder_ / "one", "--labels", "--overlay"}));
   const ToolRun run =
-      runRanks(GetParam(), {kSegmentTool, query(), "-o", folder_ / "several", "--labels", "--overlay"});
-  ASSERT_EQ(run.code, kOk) << run.err;
+      ok(runRanks(GetParam(), {kSegmentTool, query(), "-o", folder_ / "several", "--labels", "--overlay"}));
   expectSameFiles(folder_ / "several", folder_ / "one");
   EXPECT_THAT(run.out, HasSubstr("13 images with "));
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);  // the first rank alone has the word
 
   fs::remove(filesOf(folder_ / "several")[4]);
-  const ToolRun resumed = runRanks(
-      GetParam(), {kSegmentTool, query(), "-o", folder_ / "several", "--labels", "--overlay", "--resume"});
-  EXPECT_EQ(resumed.code, kOk) << resumed.err;
-  EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("12 were done before")));
+  EXPECT_THAT(ok(runRanks(GetParam(), {kSegmentTool, query(), "-o", folder_ / "several", "--labels",
+                                       "--overlay", "--resume"}))
+                  .out,
+              HasAll("1 image with", "12 were done before"));
   expectSameFiles(folder_ / "several", folder_ / "one");
 }
 
 TEST_P(NumberOfRanks, TheMapIsTheSame) {
   const std::string path = folder_ / "map.flmap";
   const std::vector<std::string> build = {kMapTool, "build", mapRun(), "-o", path, "--map.distance", "0.1"};
-  const ToolRun run = runRanks(GetParam(), build);
-  ASSERT_EQ(run.code, kOk) << run.err;
+  const ToolRun run = ok(runRanks(GetParam(), build));
   EXPECT_EQ(contentOf(path), contentOf(map()));
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 2) << "said by one rank";
 
   std::vector<std::string> resume = build;
   resume.push_back("--resume");
-  const ToolRun resumed = runRanks(GetParam(), resume);
-  EXPECT_EQ(resumed.code, kOk) << resumed.err;
-  EXPECT_THAT(resumed.out, HasSubstr("0 local models added"));
+  EXPECT_THAT(ok(runRanks(GetParam(), resume)).out, HasSubstr("0 local models added"));
   EXPECT_EQ(contentOf(path), contentOf(map()));
   EXPECT_EQ(runRanks(GetParam(), build).code, kFailed);  // is there already
 }
 
 TEST_P(NumberOfRanks, PosesAreTheSame) {
   const std::string folder = folder_ / "dealt";
-  const ToolRun run = runRanks(GetParam(), {kLocalizeTool, map(), query(), "-o", folder});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  const ToolRun run = ok(runRanks(GetParam(), {kLocalizeTool, map(), query(), "-o", folder}));
   EXPECT_THAT(run.out, HasSubstr("13 images: "));
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1);
   expectSameFiles(folder, results());  // no journal among them
@@ -209,29 +184,25 @@ TEST_P(NumberOfRanks, PosesByTheShortlistOfALargeMapAreTheSame) {
       words.insert(words.end(), {"--shortlist.first_models", "1", "--shortlist.aligned_models", aligned});
       return words;
     };
-    ASSERT_EQ(runRanks(1, command("one")).code, kOk);
-    const ToolRun run = runRanks(GetParam(), command("several"));
-    ASSERT_EQ(run.code, kOk) << run.err;
+    ok(runRanks(1, command("one")));
+    ok(runRanks(GetParam(), command("several")));
     expectSameFiles(folder_ / ("several" + aligned), folder_ / ("one" + aligned));
   }
 }
 
 TEST_P(NumberOfRanks, ABadImageIsReportedOnceAndDoneLater) {
   const std::string bad = folder_ / filesOf(query() + "/depth")[6].filename().string();
-  test::writeContent(bad, "no PNG at all");
+  writeContent(bad, "no PNG at all");
   const std::string input = listWith(6, bad);
   ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "one"}).code, kFailed);
-  const ToolRun run = runRanks(GetParam(), {kLocalizeTool, map(), input, "-o", folder_ / "several"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, AllOf(HasSubstr(bad), HasSubstr("1 of 13 items failed")));
+  EXPECT_THAT(runRanks(GetParam(), {kLocalizeTool, map(), input, "-o", folder_ / "several"}),
+              fails(bad, "1 of 13 items failed"));
   for (const char* file : {"/hypotheses.csv", "/poses_tum.txt"})
     EXPECT_EQ(contentOf(folder_ / "several" + file), contentOf(folder_ / "one" + file)) << file;
   EXPECT_EQ(imagesIn(folder_ / "several"), 12u);
 
   fs::copy_file(filesOf(query() + "/depth")[6], bad, fs::copy_options::overwrite_existing);
-  const ToolRun resumed =
-      runRanks(GetParam(), {kLocalizeTool, map(), input, "-o", folder_ / "several", "--resume"});
-  EXPECT_EQ(resumed.code, kOk) << resumed.err;
+  ok(runRanks(GetParam(), {kLocalizeTool, map(), input, "-o", folder_ / "several", "--resume"}));
   expectSameFiles(folder_ / "several", results());
 }
 
@@ -270,17 +241,16 @@ TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasWritten) {
   fs::remove(pipe);
   fs::copy_file(images[7], pipe);
   fs::copy(results, folder_ / "alone");
-  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "alone", "--resume"}).code, kOk);
-  ASSERT_EQ(runRanks(3, {kLocalizeTool, map(), input, "-o", results, "--resume"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "alone", "--resume"}));
+  ok(runRanks(3, {kLocalizeTool, map(), input, "-o", results, "--resume"}));
   expectSameFiles(folder_ / "alone", RanksTest::results());
   expectSameFiles(results, RanksTest::results());
 }
 
 TEST_F(RanksTest, AnErrorOfAllIsReportedOnceAndEndsTheJob) {
-  const ToolRun run = runRanks(3, {kLocalizeTool, folder_ / "no.flmap", query(), "-o", folder_ / "x"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("facetloc_localize: " + (folder_ / "no.flmap") + ": does not exist"));
-  EXPECT_THAT(run.err, testing::Not(HasSubstr("(rank")));
+  EXPECT_THAT(
+      runRanks(3, {kLocalizeTool, folder_ / "no.flmap", query(), "-o", folder_ / "x"}),
+      fails("facetloc_localize: " + (folder_ / "no.flmap") + ": does not exist", Not(HasSubstr("(rank"))));
   EXPECT_EQ(runRanks(2, {kSegmentTool, query(), "--bad"}).code, kUsage);
 }
 
@@ -290,10 +260,8 @@ TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
   const std::vector<std::string> other = {
       ":", "-np", "1", kLocalizeTool, folder_ / "no.flmap", query(), "-o", folder_ / "results"};
   command.insert(command.end(), other.begin(), other.end());
-  const ToolRun run = runRanks(1, command);
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err,
-              HasSubstr("facetloc_localize (rank 1): " + (folder_ / "no.flmap") + ": does not exist\n"));
+  EXPECT_THAT(runRanks(1, command),
+              fails("facetloc_localize (rank 1): " + (folder_ / "no.flmap") + ": does not exist\n"));
 }
 
 /** Both ranks fail in every image of theirs. */
@@ -308,24 +276,15 @@ TEST_F(RanksTest, AModelThatCannotBeReadFailsTheImagesAndNoMore) {
   for (const char* model : {"3", "406"}) {
     const std::string path = folder_ / model + ".flmap";
     writeMap(path, large);
-    sqlite3* db = nullptr;
-    ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
-    const std::string damage =
-        std::string("UPDATE depth_picture SET data = zeroblob(10) WHERE model_id = ") + model;
-    EXPECT_EQ(sqlite3_exec(db, damage.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-    sqlite3_close(db);
-    const ToolRun run =
-        runRanks(2, {kLocalizeTool, path, query(), "-o", folder_ / "several", "--shortlist.size", "0",
-                     "--tree.max_expansions", "5", "--evidence.enabled", "0"});
-    EXPECT_EQ(run.code, kFailed);
-    EXPECT_THAT(run.err, AllOf(HasSubstr("13 of 13 items failed"), HasSubstr(std::string("model ") + model)));
+    sql(path, std::string("UPDATE depth_picture SET data = zeroblob(10) WHERE model_id = ") + model);
+    EXPECT_THAT(runRanks(2, {kLocalizeTool, path, query(), "-o", folder_ / "several", "--shortlist.size", "0",
+                             "--tree.max_expansions", "5", "--evidence.enabled", "0"}),
+                fails("13 of 13 items failed", std::string("model ") + model));
   }
 }
 
 TEST_F(RanksTest, ToolsThatDealNothingOutRefuse) {
-  const ToolRun run = runRanks(2, {kMapTool, "info", map()});
-  EXPECT_EQ(run.code, kUsage);
-  EXPECT_THAT(run.err, HasSubstr("start it without mpirun"));
+  EXPECT_THAT(runRanks(2, {kMapTool, "info", map()}), refuses("start it without mpirun"));
 }
 
 /** As a terminal stops a job. */
@@ -342,4 +301,4 @@ TEST_F(RanksTest, CtrlCEndsTheJob) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

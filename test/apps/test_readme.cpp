@@ -16,20 +16,14 @@
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/testing/organized_clouds.h>
 
-#include <gmock/gmock.h>
-
 #include <cstdint>
 #include <functional>
 #include <iostream>
 #include <memory>
-#include <sstream>
 #include <utility>
-#include <vector>
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 void exampleOfReadme() {
 #include "example_localize_walk.inc"
@@ -107,13 +101,11 @@ protected:
     CameraFile file = readCameraFile(folder_ / "walk/query/camera.ini");
     change(file.camera);
     writeCameraFile(folder_ / "walk/query/camera.ini", file);
-    const ToolRun run =
-        runTool<LocalizeApp>({folder_ / "walk.flmap", folder_ / "walk/query", "-o", folder_ / "results"});
-    ASSERT_EQ(run.code, kOk) << run.err;
+    ok(runTool<LocalizeApp>({folder_ / "walk.flmap", folder_ / "walk/query", "-o", folder_ / "results"}));
     const std::string by_example = printedIn(folder_ / ".", exampleOfReadme),
                       by_tool = printed(readHypotheses(folder_ / "results"));
     EXPECT_EQ(by_example, by_tool);
-    EXPECT_THAT(by_example, testing::HasSubstr(" at "));
+    EXPECT_THAT(by_example, HasSubstr(" at "));
   }
 };
 
@@ -184,7 +176,7 @@ TEST_F(Readme, ADriveIsFoundInAMap) {
 TEST_F(Readme, AMapIsMadeOfARecording) {
   fs::copy(map_run(), folder_ / "walk", fs::copy_options::recursive);
   printedIn(folder_ / ".", makeMapOfWalk);
-  ASSERT_EQ(runMap({"build", map_run(), "-o", folder_ / "tool.flmap"}).code, kOk);
+  ok(runMap({"build", map_run(), "-o", folder_ / "tool.flmap"}));
   const Map made = readMap(folder_ / "walk.flmap"), by_tool = readMap(folder_ / "tool.flmap");
   ASSERT_EQ(made.models.size(), by_tool.models.size());
   for (std::size_t i = 0; i < made.models.size(); ++i) EXPECT_EQ(made.models[i].name, by_tool.models[i].name);

@@ -14,17 +14,12 @@
 #include <facetloc/testing/example_bag.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
 #include <pcl/io/pcd_io.h>
 
 #include <cmath>
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::Not;
 
 class Layouts : public Tools {
 protected:
@@ -36,23 +31,17 @@ protected:
   /** Maps one folder, localizes the images of the other, and judges that. */
   void expectToWork(const std::string& mapped, const std::string& localized) {
     const std::string map = folder_ / "layout.flmap", results = folder_ / "results";
-    const ToolRun build = runMap({"build", mapped, "-o", map, "--map.distance", "0.1"});
-    ASSERT_EQ(build.code, kOk) << build.err;
-    EXPECT_THAT(build.err, Not(HasSubstr("no poses are given")));
-    const ToolRun localize = runTool<LocalizeApp>({map, localized, "-o", results});
-    ASSERT_EQ(localize.code, kOk) << localize.err;
-    const ToolRun judged = runTool<EvaluateApp>({results, localized, "--map", map});
-    ASSERT_EQ(judged.code, kOk) << judged.err;
-    EXPECT_THAT(judged.out, HasSubstr("12 (100.00 %)"));
+    EXPECT_THAT(ok(runMap({"build", mapped, "-o", map, "--map.distance", "0.1"})).err,
+                Not(HasSubstr("no poses are given")));
+    ok(runTool<LocalizeApp>({map, localized, "-o", results}));
+    EXPECT_THAT(ok(runTool<EvaluateApp>({results, localized, "--map", map})).out, HasSubstr("12 (100.00 %)"));
     const Trajectory truth = DepthSequence::readTruth(localized);
     const Trajectory found = readTumTrajectory(results + "/poses_tum.txt");
     EXPECT_GE(found.poses().size(), 10u);
     for (const StampedPose& pose : found.poses())
       EXPECT_LT((pose.T_w_c.translation() - truth.at(pose.stamp)->translation()).norm(), 0.1);
     const std::string first = DepthSequence::open(localized).frames().front().name;
-    const ToolRun drawn =
-        runTool<RenderApp>({localized, "-o", folder_ / "picture.png", "--map", map, "--frame", first});
-    EXPECT_EQ(drawn.code, kOk) << drawn.err;
+    ok(runTool<RenderApp>({localized, "-o", folder_ / "picture.png", "--map", map, "--frame", first}));
     EXPECT_TRUE(fs::exists(folder_ / "picture.png"));
   }
 
@@ -123,10 +112,8 @@ protected:
   /** The bytes of hypotheses.csv. */
   std::string localizedIn(const std::string& mapped, const std::string& localized) {
     const std::string map = folder_ / "layout.flmap", results = folder_ / "results";
-    const ToolRun build = runMap({"build", mapped, "-o", map, "--overwrite", "--map.distance", "0.1"});
-    EXPECT_EQ(build.code, kOk) << build.err;
-    const ToolRun localize = runTool<LocalizeApp>({map, localized, "-o", results});
-    EXPECT_EQ(localize.code, kOk) << localize.err;
+    ok(runMap({"build", mapped, "-o", map, "--overwrite", "--map.distance", "0.1"}));
+    ok(runTool<LocalizeApp>({map, localized, "-o", results}));
     return contentOf(results + "/hypotheses.csv");
   }
 
@@ -241,8 +228,7 @@ TEST_F(Layouts, DistancesThroughALens) {
 
 TEST_F(Layouts, DepthAlignedToAFinerImageShowsItsPlanesAtAnyWidth) {
   const auto segmentsOf = [&](const std::string& input, const std::string& width) {
-    const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / ("s" + width), "--width", width});
-    EXPECT_EQ(run.code, kOk) << run.err;
+    const ToolRun run = ok(runTool<SegmentApp>({input, "-o", folder_ / ("s" + width), "--width", width}));
     const auto at = run.out.find(" with ");
     return std::stoi(run.out.substr(at + 6));
   };
@@ -256,43 +242,34 @@ TEST_F(Layouts, NumberedImagesWithAsManyPoses) {
 }
 
 TEST_F(Layouts, NumberedImagesWithMorePosesMakeNoMap) {
-  const ToolRun run = runMap({"build", numbered(map_run(), "a", 8), "-o", folder_ / "a.flmap"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("they cannot be assigned to each other"));
+  EXPECT_THAT(runMap({"build", numbered(map_run(), "a", 8), "-o", folder_ / "a.flmap"}),
+              fails("they cannot be assigned to each other"));
   EXPECT_FALSE(fs::exists(folder_ / "a.flmap"));
 }
 
 TEST_F(Layouts, AMapIsNotMadeOfAFewPosesThatNothingChecks) {
-  const std::string input = folder_ / "input";
-  fs::copy(map_run(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(map_run(), "input");
   std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
   poses.resize(2);
   writeTumTrajectory(input + "/groundtruth.txt", poses);
-  const ToolRun run = runMap({"build", input, "-o", folder_ / "a.flmap"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, testing::AllOf(HasSubstr("have no pose within"), HasSubstr("--force")));
-  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "b.flmap", "--force"}).code, kOk);
+  EXPECT_THAT(runMap({"build", input, "-o", folder_ / "a.flmap"}), fails("have no pose within", "--force"));
+  ok(runMap({"build", input, "-o", folder_ / "b.flmap", "--force"}));
 }
 
 TEST_F(Layouts, PosesInAnotherConventionAreReadAsTheirCheckSays) {
-  const std::string input = folder_ / "input";
-  fs::copy(map_run(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(map_run(), "input");
   std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.T_w_c = pose.T_w_c.inverse();
   writeTumTrajectory(input + "/groundtruth.txt", poses);
-  const ToolRun refused = runMap({"build", input, "-o", folder_ / "a.flmap"});
-  EXPECT_EQ(refused.code, kFailed);
-  EXPECT_THAT(refused.err, HasSubstr("--poses-are inverse"));
-  const ToolRun run = runMap({"build", input, "-o", folder_ / "b.flmap", "--poses-are", "inverse"});
-  EXPECT_EQ(run.code, kOk) << run.err;
+  EXPECT_THAT(runMap({"build", input, "-o", folder_ / "a.flmap"}), fails("--poses-are inverse"));
+  ok(runMap({"build", input, "-o", folder_ / "b.flmap", "--poses-are", "inverse"}));
   EXPECT_EQ(runMap({"build", input, "-o", folder_ / "c.flmap", "--poses-are", "left"}).code, kUsage);
 }
 
 TEST_F(Layouts, ResultsSayWhichFileAFrameIsFrom) {
   const std::string input = numbered(query(), "a", 3), out = folder_ / "s";
-  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out}).code, kOk);
-  EXPECT_THAT(contentOf(out + "/inputs.csv"),
-              testing::AllOf(HasSubstr("frame,file\n"), HasSubstr("a/depth/000001.png")));
+  ok(runTool<SegmentApp>({input, "-o", out}));
+  EXPECT_THAT(contentOf(out + "/inputs.csv"), HasAll("frame,file\n", "a/depth/000001.png"));
 }
 
 TEST_F(Layouts, Bags) {
@@ -309,7 +286,7 @@ TEST_F(Layouts, RecordingsOfTodayGiveTheBytesOfTheirImages) {
   if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
   const auto inMillimetres = [this](const std::string& source, const char* name) {
     std::string folder = folder_ / name;
-    EXPECT_EQ(runTool<ConvertApp>({source, "-o", folder, "--scale", "1000"}).code, kOk);
+    ok(runTool<ConvertApp>({source, "-o", folder, "--scale", "1000"}));
     return folder;
   };
   const std::string mapped = inMillimetres(map_run(), "map"), later = inMillimetres(query(), "query");
@@ -334,13 +311,11 @@ TEST_F(Layouts, TheImuOfARecordingIsTakenForGravity) {
   if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
   const std::string walk = recorded(query(), "a", "mcap imu=camera_imu_optical_frame"),
                     map = folder_ / "a.flmap";
-  ASSERT_EQ(runMap({"build", map_run(), "-o", map, "--map.distance", "0.1"}).code, kOk);
-  const ToolRun used = runTool<LocalizeApp>({map, walk, "-o", folder_ / "used"});
-  ASSERT_EQ(used.code, kOk) << used.err;
-  EXPECT_THAT(used.err, HasSubstr("gravity is by the accelerometer of /imu"));
-  const ToolRun ignored = runTool<LocalizeApp>({map, walk, "-o", folder_ / "ignored", "--gravity", "none"});
-  ASSERT_EQ(ignored.code, kOk) << ignored.err;
-  EXPECT_THAT(ignored.err, Not(HasSubstr("accelerometer")));
+  ok(runMap({"build", map_run(), "-o", map, "--map.distance", "0.1"}));
+  EXPECT_THAT(ok(runTool<LocalizeApp>({map, walk, "-o", folder_ / "used"})).err,
+              HasSubstr("gravity is by the accelerometer of /imu"));
+  EXPECT_THAT(ok(runTool<LocalizeApp>({map, walk, "-o", folder_ / "ignored", "--gravity", "none"})).err,
+              Not(HasSubstr("accelerometer")));
 }
 
 TEST_F(Layouts, TheOdometryOfABagIsTakenForAMap) {
@@ -350,9 +325,7 @@ TEST_F(Layouts, TheOdometryOfABagIsTakenForAMap) {
   fs::remove(walk.parent_path() / "groundtruth.txt");
   copyCamera(map_run(), walk.parent_path());  // which tells the mounting
   const std::string found = folder_ / "found.txt";
-  const ToolRun run =
-      runMap({"build", walk, "-o", folder_ / "a.flmap", "--odometry", walk, "--trajectory", found});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  ok(runMap({"build", walk, "-o", folder_ / "a.flmap", "--odometry", walk, "--trajectory", found}));
   const Trajectory mapped = readTumTrajectory(found);
   ASSERT_EQ(mapped.poses().size(), static_cast<std::size_t>(kFrames));
   const Eigen::Isometry3d T = *truth.at(mapped.poses()[0].stamp) * mapped.poses()[0].T_w_c.inverse();
@@ -365,44 +338,36 @@ TEST_F(Layouts, AnOniRecordingWithoutPosesIsMappedAndFoundAgain) {
   if (!fs::exists(walk)) GTEST_SKIP() << "no recordings beside the checkout";
   const std::string map = folder_ / "kitchen.flmap", found = folder_ / "found.txt",
                     results = folder_ / "results";
-  const ToolRun build = runMap({"build", walk, "-o", map, "--trajectory", found});
-  ASSERT_EQ(build.code, kOk) << build.err;
-  EXPECT_THAT(build.err, HasSubstr("no poses are given"));
-  ASSERT_EQ(runTool<LocalizeApp>({map, walk, "-o", results}).code, kOk);
-  const ToolRun judged = runTool<EvaluateApp>({results, found, "--map", map});
-  ASSERT_EQ(judged.code, kOk) << judged.err;
-  EXPECT_THAT(judged.out, HasSubstr("60 (100.00 %)"));
+  EXPECT_THAT(ok(runMap({"build", walk, "-o", map, "--trajectory", found})).err,
+              HasSubstr("no poses are given"));
+  ok(runTool<LocalizeApp>({map, walk, "-o", results}));
+  EXPECT_THAT(ok(runTool<EvaluateApp>({results, found, "--map", map})).out, HasSubstr("60 (100.00 %)"));
 }
 
 TEST_F(Layouts, ACameraThatIsNamedStandsForItsFile) {
   const std::string input = folder_ / "input";
   fs::create_directories(input);
   fs::copy(fs::path(query()) / "depth", input + "/depth");
-  const ToolRun refused = runTool<SegmentApp>({input, "-o", folder_ / "a"});
-  EXPECT_EQ(refused.code, kFailed);
-  EXPECT_THAT(refused.err, HasSubstr("camera=kinect"));
-  const ToolRun run =
-      runTool<SegmentApp>({input, "-o", folder_ / "b", "--camera", "kinect", "--depth-scale", "5000"});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("typical kinect"));
+  EXPECT_THAT(runTool<SegmentApp>({input, "-o", folder_ / "a"}), fails("camera=kinect"));
+  EXPECT_THAT(
+      ok(runTool<SegmentApp>({input, "-o", folder_ / "b", "--camera", "kinect", "--depth-scale", "5000"}))
+          .err,
+      HasSubstr("typical kinect"));
   const std::string file = query() + "/camera.ini";
-  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "c", "--camera", file}).code, kOk);
+  ok(runTool<SegmentApp>({input, "-o", folder_ / "c", "--camera", file}));
   EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "d", "--camera", "webcam"}).code, kFailed);
   EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "d", "--depth-scale", "-1"}).code, kUsage);
 }
 
 TEST_F(Layouts, ATimeOffsetBringsImagesAndPosesTogether) {
-  const std::string input = folder_ / "input";
-  fs::copy(query(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(query(), "input");
   std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.stamp += 100;
   writeTumTrajectory(input + "/groundtruth.txt", poses);
   EXPECT_EQ(runMap({"build", input, "-o", folder_ / "a.flmap"}).code, kFailed);
-  const ToolRun run = runMap({"build", input, "-o", folder_ / "b.flmap", "--time-offset", "100"});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  const ToolRun same = runMap({"build", input, "-o", folder_ / "c.flmap", "--poses",
-                               input + "/groundtruth.txt", "--time-offset", "100"});
-  EXPECT_EQ(same.code, kOk) << same.err;
+  ok(runMap({"build", input, "-o", folder_ / "b.flmap", "--time-offset", "100"}));
+  ok(runMap({"build", input, "-o", folder_ / "c.flmap", "--poses", input + "/groundtruth.txt",
+             "--time-offset", "100"}));
   EXPECT_EQ(contentOf(folder_ / "b.flmap").size(), contentOf(folder_ / "c.flmap").size());
 }
 

@@ -9,17 +9,11 @@
 #include <facetloc/io/png.h>
 #include <facetloc/testing/example_bag.h>
 
-#include <gmock/gmock.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 class RecordingTools : public Tools {
 protected:
@@ -40,28 +34,22 @@ protected:
 };
 
 TEST_F(RecordingTools, CheckDescribesARecording) {
-  const ToolRun run = check(map_run());
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out,
-              AllOf(HasSubstr("recording 12 images, images named by their times"),
-                    HasSubstr("12 images of 12 have one"), HasSubstr("mounted 1.000 m above the floor"),
-                    HasSubstr("inverse_depth_std = 0.0015"), HasSubstr("next: facetloc_map build")));
+  const ToolRun run = ok(check(map_run()));
+  EXPECT_THAT(run.out, HasAll("recording 12 images, images named by their times", "12 images of 12 have one",
+                              "mounted 1.000 m above the floor", "inverse_depth_std = 0.0015",
+                              "next: facetloc_map build"));
   EXPECT_THAT(run.out, Not(HasSubstr("note\n"))) << "there is nothing to note";
 }
 
 TEST_F(RecordingTools, CheckTakesThePosesItIsGiven) {
   const std::string input = copyOf(map_run()), poses = folder_ / "poses.txt";
   fs::rename(input + "/groundtruth.txt", poses);
-  const ToolRun run = check(input, {"--poses", poses});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("12 images of 12 have one"));
+  EXPECT_THAT(ok(check(input, {"--poses", poses})).out, HasSubstr("12 images of 12 have one"));
 }
 
 TEST_F(RecordingTools, CheckFindsTheMountingByTheFloor) {
-  ASSERT_EQ(runTool<SimulateApp>({"office", "-o", folder_ / "", "--seed", "2", "--runs", "query", "--frames",
-                                  "60", "--width", "320"})
-                .code,
-            kOk);
+  ok(runTool<SimulateApp>(
+      {"office", "-o", folder_ / "", "--seed", "2", "--runs", "query", "--frames", "60", "--width", "320"}));
   const std::string input = folder_ / "query";
   CameraFile file = readCameraFile(input + "/camera.ini");
   const CameraMounting truth = *file.camera.mounting;
@@ -95,12 +83,10 @@ TEST_F(RecordingTools, CheckDerivesNothingFromImagesInDoubt) {
   }
   const ToolRun run = check(input);
   EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.out,
-              AllOf(HasSubstr("bytes of the PNG values are swapped"),
-                    HasSubstr("not known while the images are in doubt"), Not(HasSubstr("mount_height="))));
-  const ToolRun build = runMap({"build", input, "-o", folder_ / "swapped.flmap"});
-  EXPECT_EQ(build.code, kFailed);
-  EXPECT_THAT(build.err, AllOf(HasSubstr("cannot be right as it is read"), HasSubstr("--force")));
+  EXPECT_THAT(run.out, HasAll("bytes of the PNG values are swapped",
+                              "not known while the images are in doubt", Not(HasSubstr("mount_height="))));
+  EXPECT_THAT(runMap({"build", input, "-o", folder_ / "swapped.flmap"}),
+              fails("cannot be right as it is read", "--force"));
   EXPECT_FALSE(fs::exists(folder_ / "swapped.flmap"));
 }
 
@@ -112,9 +98,9 @@ TEST_F(RecordingTools, CheckAndBuildNameAScaleByThePoses) {
   writeCameraFile(input + "/camera.ini", file);
   const ToolRun run = check(input);
   EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.out, AllOf(HasSubstr("depth_scale"), Not(HasSubstr("mount_height="))));
+  EXPECT_THAT(run.out, HasAll("depth_scale", Not(HasSubstr("mount_height="))));
   EXPECT_EQ(runMap({"build", input, "-o", folder_ / "scaled.flmap"}).code, kFailed);
-  EXPECT_EQ(runMap({"build", input, "-o", folder_ / "scaled.flmap", "--force"}).code, kOk);
+  ok(runMap({"build", input, "-o", folder_ / "scaled.flmap", "--force"}));
 }
 
 TEST_F(RecordingTools, CheckDoubtsPosesThatAreNotTheImages) {
@@ -122,12 +108,11 @@ TEST_F(RecordingTools, CheckDoubtsPosesThatAreNotTheImages) {
   std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.stamp += 1000;
   writeTumTrajectory(input + "/groundtruth.txt", poses);
-  const ToolRun run = check(input);
-  EXPECT_THAT(run.out, AllOf(HasSubstr("0 images of 12 have one"), HasSubstr("--time-offset")));
+  EXPECT_THAT(check(input).out, HasAll("0 images of 12 have one", "--time-offset"));
   writeContent(input + "/groundtruth.txt", "nonsense\n");
-  EXPECT_THAT(check(input).out, AllOf(HasSubstr("cannot be read"), HasSubstr("groundtruth.txt: line 1")));
+  EXPECT_THAT(check(input).out, HasAll("cannot be read", "groundtruth.txt: line 1"));
   fs::remove(input + "/groundtruth.txt");
-  EXPECT_THAT(check(input).out, AllOf(HasSubstr("poses     none"), HasSubstr("from the images")));
+  EXPECT_THAT(check(input).out, HasAll("poses     none", "from the images"));
 }
 
 TEST_F(RecordingTools, CheckNamesImagesThatCannotBeRead) {
@@ -144,13 +129,12 @@ TEST_F(RecordingTools, CheckOfImagesWithoutADepth) {
   const std::string input = copyOf(query());
   const Raster<std::uint16_t> empty{320, 240, 1, std::vector<std::uint16_t>(320 * 240, 65535)};
   for (const fs::path& image : filesOf(input + "/depth")) writePng(image, empty);
-  EXPECT_THAT(check(input).out, AllOf(HasSubstr("nothing is measured"), HasSubstr("no pixel is measured")));
+  EXPECT_THAT(check(input).out, HasAll("nothing is measured", "no pixel is measured"));
 }
 
 TEST_F(RecordingTools, ConvertKeepsImagesCameraAndPoses) {
-  const ToolRun run = convert(map_run(), "out");
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(lastLine(run.out), AllOf(HasSubstr("12 images"), HasSubstr("recording in")));
+  const ToolRun run = ok(convert(map_run(), "out"));
+  EXPECT_THAT(lastLine(run.out), HasAll("12 images", "recording in"));
   const DepthSequence before = DepthSequence::open(map_run()), after = DepthSequence::open(folder_ / "out");
   ASSERT_EQ(after.frames().size(), before.frames().size());
   for (std::size_t i = 0; i < before.frames().size(); ++i) {
@@ -160,13 +144,11 @@ TEST_F(RecordingTools, ConvertKeepsImagesCameraAndPoses) {
   EXPECT_EQ(after.camera()->camera.intrinsics, before.camera()->camera.intrinsics);
   EXPECT_EQ(after.groundTruth().poses().size(), before.groundTruth().poses().size());
   // An existing folder is not touched.
-  const ToolRun again = convert(query(), "out");
-  EXPECT_EQ(again.code, kFailed);
-  EXPECT_THAT(again.err, HasSubstr("exists already"));
+  EXPECT_THAT(convert(query(), "out"), fails("exists already"));
 }
 
 TEST_F(RecordingTools, ConvertTakesEveryNthImage) {
-  ASSERT_EQ(convert(map_run(), "out", {"--every", "5"}).code, kOk);
+  ok(convert(map_run(), "out", {"--every", "5"}));
   EXPECT_EQ(DepthSequence::open(folder_ / "out").frames().size(), 3u);
   EXPECT_EQ(convert(map_run(), "other", {"--every", "0"}).code, kUsage);
 }
@@ -182,9 +164,7 @@ TEST_F(RecordingTools, ConvertWritesCloudsWithTheirIntrinsics) {
   cloud(3, 3) = {0, 0, 20};  // farther than fits
   fs::create_directories(folder_ / "clouds");
   pcl::io::savePCDFileBinary(folder_ / "clouds/frame_20121214T142255.814212.pcd", cloud);
-  const ToolRun run = convert(folder_ / "clouds", "out");
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("1 pixel farther than 13.1 m"));
+  EXPECT_THAT(ok(convert(folder_ / "clouds", "out")).err, HasSubstr("1 pixel farther than 13.1 m"));
   const DepthSequence after = DepthSequence::open(folder_ / "out");
   EXPECT_EQ(after.frames()[0].name, "1355494975.814212");
   EXPECT_NEAR(after.camera()->camera.intrinsics.fx, image.camera.fx, 0.1);
@@ -195,9 +175,7 @@ TEST_F(RecordingTools, ConvertWritesTheOdometryOfABag) {
   if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
   const DepthSequence walk = DepthSequence::open(map_run());
   ASSERT_TRUE(writeBag(walk, folder_ / "walk.bag", "uint16", walk.groundTruth()));
-  const ToolRun run = convert(folder_ / "walk.bag", "out");
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("12 poses in odometry.txt"));
+  EXPECT_THAT(ok(convert(folder_ / "walk.bag", "out")).out, HasSubstr("12 poses in odometry.txt"));
   EXPECT_EQ(readTumTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
   EXPECT_EQ(DepthSequence::open(folder_ / "out").frames().size(), 12u);
 }
@@ -207,9 +185,8 @@ TEST_F(RecordingTools, ConvertWritesThePosesAndGravityOfRos2Messages) {
   const DepthSequence walk = DepthSequence::open(map_run());
   ASSERT_TRUE(writeRecording(walk, folder_ / "walk.mcap", "mcap zstd imu=camera_depth_optical_frame",
                              walk.groundTruth()));
-  const ToolRun run = convert(folder_ / "walk.mcap", "out");
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("12 poses in odometry.txt, gravity.txt"));
+  EXPECT_THAT(ok(convert(folder_ / "walk.mcap", "out")).out,
+              HasSubstr("12 poses in odometry.txt, gravity.txt"));
   EXPECT_EQ(readTumTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
   const GravityRecord gravity = readGravity(folder_ / "out/gravity.txt", kDegree);
   ASSERT_EQ(gravity.samples().size(), 12u);

@@ -6,25 +6,17 @@
 #include <facetloc/io/results.h>
 #include <facetloc/io/segment_file.h>
 
-#include <gmock/gmock.h>
 #include <pcl/io/pcd_io.h>
 
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using test::filesOf;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::HasSubstr;
 
 TEST_F(Tools, RegisterFindsAnImageInItself) {
   const auto images = filesOf(map_run() + "/depth");
-  const ToolRun run = runTool<RegisterApp>({images[0].string(), images[1].string(), "-o", folder_ / "out"});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr(folder_ / "out"));
+  EXPECT_THAT(ok(runTool<RegisterApp>({images[0].string(), images[1].string(), "-o", folder_ / "out"})).out,
+              HasSubstr(folder_ / "out"));
   const auto rows = readHypotheses(folder_ / "out");
   ASSERT_FALSE(rows.empty());
   EXPECT_EQ(rows[0].frame, images[0].stem().string());
@@ -36,7 +28,7 @@ TEST_F(Tools, RegisterFindsAnImageInItself) {
 TEST_F(Tools, RegisterTakesSegmentsAndMovesTheSource) {
   const auto images = filesOf(map_run() + "/depth");
   const std::string source = images[1].string(), target = images[0].string(), found = folder_ / "found";
-  ASSERT_EQ(runTool<SegmentApp>({source, target, "-o", found}).code, kOk);
+  ok(runTool<SegmentApp>({source, target, "-o", found}));
   const auto segmentsOf = [&](const std::string& image) {
     return found + "/" + std::filesystem::path(image).stem().string() + ".segments.pcd";
   };
@@ -44,9 +36,8 @@ TEST_F(Tools, RegisterTakesSegmentsAndMovesTheSource) {
   for (const std::string& of_source : {source, segmentsOf(source)})
     for (const std::string& of_target : {target, segmentsOf(target)}) {
       clouds.push_back(folder_ / (std::to_string(clouds.size()) + ".pcd"));
-      const ToolRun run = runTool<RegisterApp>({of_source, of_target, "--aligned", clouds.back()});
-      ASSERT_EQ(run.code, kOk) << run.err;
-      EXPECT_THAT(run.out, HasSubstr("aligned source in " + clouds.back()));
+      EXPECT_THAT(ok(runTool<RegisterApp>({of_source, of_target, "--aligned", clouds.back()})).out,
+                  HasSubstr("aligned source in " + clouds.back()));
     }
   // The points of the image and its segments are moved to the same place.
   pcl::PointCloud<pcl::PointXYZ> points;
@@ -58,12 +49,10 @@ TEST_F(Tools, RegisterTakesSegmentsAndMovesTheSource) {
     near += std::abs(moved[0].normal().dot(p.getVector3fMap().cast<double>() - moved[0].t)) < 0.03;
   EXPECT_GT(near, static_cast<std::size_t>(moved[0].num_points) / 2);
 
-  const ToolRun replaces =
-      runTool<RegisterApp>({segmentsOf(source), target, "--aligned", segmentsOf(source)});
-  EXPECT_EQ(replaces.code, kUsage);
-  EXPECT_THAT(replaces.err, HasSubstr("would replace"));
+  EXPECT_THAT(runTool<RegisterApp>({segmentsOf(source), target, "--aligned", segmentsOf(source)}),
+              refuses("would replace"));
   EXPECT_EQ(runTool<RegisterApp>({source, target, "--aligned", folder_ / "a.txt"}).code, kUsage);
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -6,27 +6,14 @@
 #include "tools/render_app.h"
 #include "tools/segment_app.h"
 
-#include <gmock/gmock.h>
-
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::filesOf;
-using test::kFrames;
-using test::lastLine;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::HasSubstr;
 
 TEST_F(Tools, RenderDrawsEachKindOfInput) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   const auto draws = [&](std::vector<std::string> arguments, const std::string& output) {
     arguments.insert(arguments.end(), {"-o", output});
-    const ToolRun run = runTool<RenderApp>(arguments);
-    EXPECT_EQ(run.code, kOk) << run.err;
+    const ToolRun run = ok(runTool<RenderApp>(arguments));
     EXPECT_THAT(lastLine(run.out), HasSubstr(output));
     return fs::exists(output);
   };
@@ -41,7 +28,7 @@ TEST_F(Tools, RenderDrawsEachKindOfInput) {
   EXPECT_TRUE(draws({query()}, folder_ / "all"));
   EXPECT_EQ(filesOf(folder_ / "all").size(), static_cast<std::size_t>(kFrames));
 
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results"}));
   const std::vector<std::string> failures = {folder_ / "results",
                                              "--map",
                                              map(),
@@ -57,14 +44,11 @@ TEST_F(Tools, RenderDrawsEachKindOfInput) {
 
 TEST_F(Tools, RenderDrawsFilesOfSegments) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
-  ASSERT_EQ(runTool<SegmentApp>({firstImage(), "-o", folder_ / "found"}).code, kOk);
+  ok(runTool<SegmentApp>({firstImage(), "-o", folder_ / "found"}));
   const std::string segments =
       folder_ / ("found/" + fs::path(firstImage()).stem().string() + ".segments.pcd");
   for (const std::vector<std::string>& with : {std::vector<std::string>{}, {"--map", map()}}) {
-    std::vector<std::string> arguments = {segments, "-o", folder_ / "picture.png"};
-    arguments.insert(arguments.end(), with.begin(), with.end());
-    const ToolRun run = runTool<RenderApp>(arguments);
-    EXPECT_EQ(run.code, kOk) << run.err;
+    ok(runTool<RenderApp>(Arguments{segments, "-o", folder_ / "picture.png"} + with));
     EXPECT_TRUE(fs::remove(folder_ / "picture.png"));
   }
 }
@@ -72,21 +56,19 @@ TEST_F(Tools, RenderDrawsFilesOfSegments) {
 TEST_F(Tools, RenderDrawsABeliefAsItNarrows) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   const std::string results = folder_ / "results", picture = folder_ / "strip.png";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}).code, kOk);
-  const ToolRun run = runTool<RenderApp>({results, "--map", map(), "--sequence", query(), "-o", picture});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("of " + std::to_string(kFrames) + " images"));
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}));
+  EXPECT_THAT(ok(runTool<RenderApp>({results, "--map", map(), "--sequence", query(), "-o", picture})).out,
+              HasSubstr("of " + std::to_string(kFrames) + " images"));
   EXPECT_TRUE(fs::exists(picture));
   EXPECT_EQ(runTool<RenderApp>({results, "-o", picture}).code, kUsage);
 }
 
 TEST_F(Tools, RenderWritesPagesForBrowsers) {
   const std::string results = folder_ / "results", page = folder_ / "page.html";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}));
   const auto written = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"-o", page});
-    const ToolRun run = runTool<RenderApp>(arguments);
-    EXPECT_EQ(run.code, kOk) << run.err;
+    ok(runTool<RenderApp>(arguments));
     return contentOf(page);
   };
   try {
@@ -97,11 +79,9 @@ TEST_F(Tools, RenderWritesPagesForBrowsers) {
   }
   EXPECT_THAT(written({map(), "--trajectory", query()}), HasSubstr("\"name\":\"trajectory\""));
   const std::string alone = written({results, "--map", map()});
-  EXPECT_THAT(alone, HasSubstr("\"state\":\"sure\""));
-  EXPECT_THAT(alone, testing::Not(HasSubstr("\"truth\":")));
+  EXPECT_THAT(alone, HasAll("\"state\":\"sure\"", Not(HasSubstr("\"truth\":"))));
   const std::string whole = written({results, "--map", map(), "--sequence", query()});
-  EXPECT_THAT(whole, HasSubstr("\"truth\":"));
-  EXPECT_THAT(whole, HasSubstr("\"matches\":"));
+  EXPECT_THAT(whole, HasAll("\"truth\":", "\"matches\":"));
   EXPECT_LT(whole.size(), std::size_t{3} << 20);
   EXPECT_EQ(whole, written({results, "--map", map(), "--sequence", query()})) << "the same bytes";
   EXPECT_EQ(runTool<RenderApp>({results, "-o", page}).code, kUsage);
@@ -117,19 +97,17 @@ TEST_F(Tools, RenderNamesMissingInputs) {
   EXPECT_EQ(runTool<RenderApp>({query(), "-o", folder_ / "several.png"}).code, kUsage);
   EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", folder_ / "image.jpg"}).code, kUsage);
   EXPECT_EQ(runTool<RenderApp>({query(), "--frame", "nowhere", "-o", folder_ / "x.png"}).code, kUsage);
-  const ToolRun run = runTool<RenderApp>({folder_ / "nowhere.png", "-o", folder_ / "x.png"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("nowhere.png: does not exist"));
-  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "results"}).code, kOk);
+  EXPECT_THAT(runTool<RenderApp>({folder_ / "nowhere.png", "-o", folder_ / "x.png"}),
+              fails("nowhere.png: does not exist"));
+  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "results"}));
   EXPECT_EQ(runTool<RenderApp>({folder_ / "results", "-o", folder_ / "x"}).code, kUsage);
 }
 
 TEST_F(Tools, RenderOverwritesNothingButPictures) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
-  const std::string input = folder_ / "input", results = folder_ / "results";
-  fs::copy(query(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(query(), "input"), results = folder_ / "results";
   fs::copy_file(map(), folder_ / "m.flmap");
-  ASSERT_EQ(runTool<LocalizeApp>({map(), query(), "-o", results}).code, kOk);
+  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
   const auto images = filesOf(input + "/depth");
   const auto refused = [](const std::vector<std::string>& arguments) {
     return runTool<RenderApp>(arguments).code == kUsage;
@@ -153,4 +131,4 @@ TEST_F(Tools, RenderOverwritesNothingButPictures) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -10,7 +10,6 @@
 #include <facetloc/io/results.h>
 #include <facetloc/io/segment_file.h>
 
-#include <gmock/gmock.h>
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
@@ -18,26 +17,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::filesOf;
-using test::kFrames;
-using test::kReplace;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
-
 TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
-  const ToolRun run = runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--labels", "--overlay"});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  ok(runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--labels", "--overlay"}));
   const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
   pcl::PointCloud<SegmentFrame> cloud;
   ASSERT_EQ(pcl::PCDReader().read(base + ".segments.pcd", cloud), 0);
@@ -49,8 +34,7 @@ TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
 
 TEST_F(Tools, SegmentWritesCloudsAndPolygons) {
   const std::vector<std::string> arguments = {firstImage(), "-o", folder_ / "out", "--pcd", "--ply"};
-  const ToolRun run = runTool<SegmentApp>(arguments);
-  ASSERT_EQ(run.code, kOk) << run.err;
+  ok(runTool<SegmentApp>(arguments));
   const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
   const std::vector<Segment> segments = readSegments(base + ".segments.pcd");
   pcl::PointCloud<pcl::PointXYZL> cloud;
@@ -74,18 +58,16 @@ TEST_F(Tools, SegmentWritesCloudsAndPolygons) {
   fs::remove(base + ".ply");
   std::vector<std::string> again = arguments;
   again.emplace_back("--resume");
-  ASSERT_EQ(runTool<SegmentApp>(again).code, kOk);
+  ok(runTool<SegmentApp>(again));
   EXPECT_TRUE(fs::exists(base + ".ply"));
 }
 
 TEST_F(Tools, FilesOfSegmentsAreLocalized) {
-  ASSERT_EQ(runTool<SegmentApp>({query(), "-o", folder_ / "found"}).code, kOk);
+  ok(runTool<SegmentApp>({query(), "-o", folder_ / "found"}));
   for (const std::vector<std::string>& how : {std::vector<std::string>{}, {"--sequence"}}) {
-    std::vector<std::string> arguments = {map(), folder_ / "found", "-o", folder_ / "results"};
-    arguments.insert(arguments.end(), how.begin(), how.end());
-    const ToolRun run = runTool<LocalizeApp>(arguments);
-    ASSERT_EQ(run.code, kOk) << run.err;
-    EXPECT_THAT(run.err, HasSubstr("without depth"));
+    EXPECT_THAT(
+        ok(runTool<LocalizeApp>(Arguments{map(), folder_ / "found", "-o", folder_ / "results"} + how)).err,
+        HasSubstr("without depth"));
     const Trajectory truth = DepthSequence::readTruth(query());
     std::size_t right = 0;
     for (const ResultRow& row : readHypotheses(folder_ / "results"))
@@ -93,52 +75,41 @@ TEST_F(Tools, FilesOfSegmentsAreLocalized) {
         right += (row.T_w_c->translation() - truth.at(std::stod(row.frame))->translation()).norm() < 0.1;
     EXPECT_GE(right, static_cast<std::size_t>(kFrames) / 2);
   }
-  const ToolRun build = test::runMap({"build", folder_ / "found", "-o", folder_ / "x.flmap"});
-  EXPECT_EQ(build.code, kFailed);
-  EXPECT_THAT(build.err, HasSubstr("this tool needs the depth images"));
+  EXPECT_THAT(runMap({"build", folder_ / "found", "-o", folder_ / "x.flmap"}),
+              fails("this tool needs the depth images"));
 }
 
 TEST_F(Tools, SegmentSplitsInEitherWay) {
   std::vector<std::string> labels;
   for (const std::string method : {"quadtree", "delaunay"}) {
-    const ToolRun run =
-        runTool<SegmentApp>({firstImage(), "-o", folder_ / method, "--labels", "--split", method});
-    ASSERT_EQ(run.code, kOk) << run.err;
-    EXPECT_THAT(test::contentOf(folder_ / (method + "/params.ini")),
+    ok(runTool<SegmentApp>({firstImage(), "-o", folder_ / method, "--labels", "--split", method}));
+    EXPECT_THAT(contentOf(folder_ / (method + "/params.ini")),
                 HasSubstr("[split]\nmethod = " + method + "\n"));
-    labels.push_back(
-        test::contentOf(folder_ / (method + "/" + fs::path(firstImage()).stem().string() + ".png")));
+    labels.push_back(contentOf(folder_ / (method + "/" + fs::path(firstImage()).stem().string() + ".png")));
     ASSERT_FALSE(labels.back().empty());
   }
   EXPECT_NE(labels[0], labels[1]);
 }
 
 TEST_F(Tools, SegmentRefusesAnUnknownSplit) {
-  const ToolRun run = runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--split", "octree"});
-  EXPECT_EQ(run.code, kUsage);
-  EXPECT_THAT(run.err, HasSubstr("split.method: 'octree' is none of: quadtree, delaunay"));
+  EXPECT_THAT(runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--split", "octree"}),
+              refuses("split.method: 'octree' is none of: quadtree, delaunay"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
 TEST_F(Tools, SegmentMeasuresNoise) {
   const std::string folder = folder_ / "azure";
-  ASSERT_EQ(runTool<SimulateApp>({"room", "--camera", "azure_kinect", "--frames", "6", "-o", folder}).code,
-            kOk);
-  const ToolRun run = runTool<SegmentApp>({"--noise", folder + "/map", folder + "/query"});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  ok(runTool<SimulateApp>({"room", "--camera", "azure_kinect", "--frames", "6", "-o", folder}));
+  const ToolRun run = ok(runTool<SegmentApp>({"--noise", folder + "/map", folder + "/query"}));
   for (const char* words :
        {"depth [m]", "std of depth [mm]", "correlated over [px]", "Correlated over", "inverse_depth_std = "})
     EXPECT_THAT(run.out, HasSubstr(words));
 }
 
 TEST_F(Tools, SegmentMeasuresNoNoiseWhereNothingIsFlat) {
-  ASSERT_EQ(runTool<SimulateApp>({"room", "--sensor.random_dropout", "0.9", "--frames", "1", "--width", "80",
-                                  "-o", folder_ / "holes"})
-                .code,
-            kOk);
-  const ToolRun run = runTool<SegmentApp>({"--noise", folder_ / "holes/map"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("too few flat places"));
+  ok(runTool<SimulateApp>(
+      {"room", "--sensor.random_dropout", "0.9", "--frames", "1", "--width", "80", "-o", folder_ / "holes"}));
+  EXPECT_THAT(runTool<SegmentApp>({"--noise", folder_ / "holes/map"}), fails("too few flat places"));
 }
 
 TEST_F(Tools, SegmentWritesNothingWhereItMeasuresNoise) {
@@ -152,9 +123,7 @@ TEST_F(Tools, SegmentWritesNothingWhereItMeasuresNoise) {
 
 TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const std::string input = withOneCorruptImage();
-  const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("1 of 12 items failed"));
+  EXPECT_THAT(runTool<SegmentApp>({input, "-o", folder_ / "out"}), fails("1 of 12 items failed"));
   EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);  // and params.ini, images.txt and inputs.csv
 
   // Existing results are not touched, missing ones are made.
@@ -162,47 +131,42 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const auto old = fs::file_time_type::clock::now() - std::chrono::hours(24);
   fs::last_write_time(first, old);
   fs::copy(query() + "/depth", input + "/depth", kReplace);
-  const ToolRun resumed = runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"});
-  EXPECT_EQ(resumed.code, kOk) << resumed.err;
-  EXPECT_THAT(resumed.out, AllOf(HasSubstr("1 image with"), HasSubstr("11 were done before")));
+  EXPECT_THAT(ok(runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"})).out,
+              HasAll("1 image with", "11 were done before"));
   EXPECT_EQ(filesOf(folder_ / "out").size(), 15u);
   EXPECT_EQ(fs::last_write_time(first), old);
 }
 
 TEST_F(Tools, SegmentResumesNothingOfOtherInputs) {
-  const std::string input = folder_ / "input", out = folder_ / "out";
-  fs::copy(query(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(query(), "input"), out = folder_ / "out";
   const auto resume = [&](const std::string& width) {
     return runTool<SegmentApp>({input, "-o", out, "--width", width, "--resume"});
   };
-  ASSERT_EQ(resume("160").code, kOk);
+  ok(resume("160"));
   EXPECT_THAT(resume("160").out, HasSubstr("12 were done before"));
   EXPECT_THAT(resume("320").err, HasSubstr("other parameters"));
   giveOtherImages(input);
   EXPECT_THAT(resume("160").err, HasSubstr("other images"));
-  const ToolRun anew = runTool<SegmentApp>({input, "-o", out});
-  EXPECT_EQ(anew.code, kOk) << anew.err;
+  ok(runTool<SegmentApp>({input, "-o", out}));
   EXPECT_THAT(resume("320").out, HasSubstr("12 were done before"));
 }
 
 TEST_F(Tools, SegmentLeavesNothingThatIsOfAnotherRun) {
-  const std::string input = folder_ / "input", out = folder_ / "out";
-  fs::copy(query(), input, fs::copy_options::recursive);
+  const std::string input = folder_.copyOf(query(), "input"), out = folder_ / "out";
   const fs::path gone = filesOf(input + "/depth").front();
   const fs::path labels = fs::path(out) / gone.filename();  // as large as the image was taken to be
-  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--overlay", "--width", "160"}).code, kOk);
+  ok(runTool<SegmentApp>({input, "-o", out, "--labels", "--overlay", "--width", "160"}));
   EXPECT_EQ(filesOf(out).size(), 3u * kFrames + 3);
   EXPECT_EQ(readGreyPng(labels, 16).width, 160);
 
-  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out}).code, kOk);
+  ok(runTool<SegmentApp>({input, "-o", out}));
   EXPECT_EQ(filesOf(out).size(), 1u * kFrames + 3) << "labels of width 160";
-  const ToolRun resumed = runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"});
-  EXPECT_EQ(resumed.code, kOk) << resumed.err;
-  EXPECT_THAT(resumed.out, Not(HasSubstr("done before")));
+  EXPECT_THAT(ok(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"})).out,
+              Not(HasSubstr("done before")));
   EXPECT_EQ(readGreyPng(labels, 16).width, 320);
 
   fs::remove(gone);
-  ASSERT_EQ(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"}).code, kOk);
+  ok(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"}));
   EXPECT_EQ(filesOf(out).size(), 2u * (kFrames - 1) + 3);
   EXPECT_FALSE(fs::exists(labels));
 }
@@ -214,9 +178,8 @@ TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
   const Intrinsics camera = scaledKinect(320);
   writePng(input + "/0.png",
            Raster<std::uint16_t>{320, camera.height, 1, std::vector<std::uint16_t>(320 * 240, 0)});
-  const ToolRun run = runTool<SegmentApp>({input, "-o", folder_ / "out", "--labels", "--overlay"});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.err, IsEmpty());
+  EXPECT_THAT(ok(runTool<SegmentApp>({input, "-o", folder_ / "out", "--labels", "--overlay"})).err,
+              IsEmpty());
   pcl::PointCloud<SegmentFrame> cloud;
   cloud.resize(3);
   EXPECT_EQ(pcl::PCDReader().read(folder_ / "out/0.segments.pcd", cloud), 0);
@@ -229,40 +192,35 @@ TEST_F(Tools, SegmentDistinguishesImagesOfTheSameName) {
     fs::copy_file(query() + "/camera.ini", folder_ / run + "/camera.ini");
     fs::copy_file(firstImage(), folder_ / run + "/depth/7.png");
   }
-  ASSERT_EQ(runTool<SegmentApp>({folder_ / "map", folder_ / "query/depth/7.png", "-o", folder_ / "out"}).code,
-            kOk);
+  ok(runTool<SegmentApp>({folder_ / "map", folder_ / "query/depth/7.png", "-o", folder_ / "out"}));
   EXPECT_TRUE(fs::exists(folder_ / "out/map_7.segments.pcd"));
   EXPECT_TRUE(fs::exists(folder_ / "out/query_7.segments.pcd"));
-  const ToolRun twice = runTool<SegmentApp>({folder_ / "map", folder_ / "map", "-o", folder_ / "out"});
-  EXPECT_EQ(twice.code, kUsage);
-  EXPECT_THAT(twice.err, HasSubstr("would both be named"));
+  EXPECT_THAT(runTool<SegmentApp>({folder_ / "map", folder_ / "map", "-o", folder_ / "out"}),
+              refuses("would both be named"));
 }
 
 TEST_F(Tools, SegmentRefusesImagesWhoseOutputsWouldHaveOneName) {
   fs::create_directories(folder_ / "depth");
   fs::copy_file(query() + "/camera.ini", folder_ / "camera.ini");
   for (const char* name : {"a", "a_overlay"}) fs::copy_file(firstImage(), folder_ / "depth/" + name + ".png");
-  const ToolRun both = runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels", "--overlay"});
-  EXPECT_EQ(both.code, kUsage);
-  EXPECT_THAT(both.err, HasSubstr("would both be named a_overlay.png"));
+  EXPECT_THAT(runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels", "--overlay"}),
+              refuses("would both be named a_overlay.png"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
-  EXPECT_EQ(runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels"}).code, kOk);
+  ok(runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels"}));
 }
 
 TEST_F(Tools, TrueLabelsAreNotReplacedByFoundOnes) {
-  const std::string input = folder_ / "input";
-  fs::copy(query(), input, fs::copy_options::recursive);
-  const ToolRun run = runTool<SegmentApp>({input, "-o", input + "/labels", "--labels"});
-  EXPECT_EQ(run.code, kUsage);
-  EXPECT_THAT(run.err, HasSubstr("use another output folder"));
+  const std::string input = folder_.copyOf(query(), "input");
+  EXPECT_THAT(runTool<SegmentApp>({input, "-o", input + "/labels", "--labels"}),
+              refuses("use another output folder"));
 }
 
 TEST_F(Tools, ParametersMayContainANumberSign) {
   const std::string out = folder_ / "run#3", file = folder_ / "p.ini";
   std::ofstream(file) << "output = " << out << " # where the results go\n#a comment\n";
-  ASSERT_EQ(runTool<SegmentApp>({firstImage(), "--params", file}).code, kOk);
+  ok(runTool<SegmentApp>({firstImage(), "--params", file}));
   EXPECT_TRUE(fs::exists(out));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -7,30 +7,19 @@
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/trajectory.h>
 
-#include <gmock/gmock.h>
 #include <pcl/io/ply_io.h>
 
 #include <algorithm>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::kFrames;
-using test::lastLine;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::HasSubstr;
 
 TEST_F(Tools, SimulateIsReproducible) {
   for (const std::string scene :
        {"room", "office", "home", "hall", "corridor", "hotel", "boards", "doors", "passage", "box"}) {
     for (const std::string threads : {"1", "2"}) {
-      const ToolRun run = runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160", "-o",
-                                                folder_ / scene + threads, "--threads", threads});
-      ASSERT_EQ(run.code, kOk) << run.err;
+      const ToolRun run = ok(runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160",
+                                                   "-o", folder_ / scene + threads, "--threads", threads}));
       EXPECT_THAT(lastLine(run.out), HasSubstr(folder_ / scene + threads));
     }
     const fs::path one = folder_ / scene + "1", two = folder_ / scene + "2";
@@ -54,23 +43,18 @@ TEST_F(Tools, SimulateRefusesUnknownNames) {
 }
 
 TEST_F(Tools, SimulateWritesTheBuildingItself) {
-  const ToolRun run = runTool<SimulateApp>(
-      {"home", "--seed", "2", "--model", folder_ / "home.ply", "--grid", folder_ / "plans/home"});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  ok(runTool<SimulateApp>(
+      {"home", "--seed", "2", "--model", folder_ / "home.ply", "--grid", folder_ / "plans/home"}));
   pcl::PolygonMesh mesh;
   ASSERT_EQ(pcl::io::loadPLYFile(folder_ / "home.ply", mesh), 0);
   EXPECT_GT(mesh.polygons.size(), 1000u);
   const OccupancyGrid grid = readOccupancyGrid(folder_ / "plans/home.yaml");
   EXPECT_GT(std::count(grid.cells.begin(), grid.cells.end(), OccupancyGrid::kOccupied), 1000);
-  const ToolRun none = runTool<SimulateApp>({"boards", "--grid", folder_ / "boards"});
-  EXPECT_EQ(none.code, kUsage);
-  EXPECT_THAT(none.err, HasSubstr("no walls"));
+  EXPECT_THAT(runTool<SimulateApp>({"boards", "--grid", folder_ / "boards"}), refuses("no walls"));
 }
 
 TEST_F(Tools, SimulateTakesAnotherCamera) {
-  const ToolRun run =
-      runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--frames", "1", "-o", folder_ / "lidar"});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  ok(runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--frames", "1", "-o", folder_ / "lidar"}));
   const CameraFile lidar = *DepthSequence::open(folder_ / "lidar/map").camera();
   EXPECT_EQ(lidar.preset, "phone_lidar");
   EXPECT_EQ(lidar.camera.intrinsics, findCameraPreset("phone_lidar")->intrinsics());
@@ -78,9 +62,8 @@ TEST_F(Tools, SimulateTakesAnotherCamera) {
 
   // An option counts more than the camera: here all pixels are lost.
   const ToolRun blind =
-      runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--sensor.random_dropout", "1", "--frames",
-                            "1", "--width", "128", "-o", folder_ / "blind"});
-  ASSERT_EQ(blind.code, kOk) << blind.err;
+      ok(runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--sensor.random_dropout", "1", "--frames",
+                               "1", "--width", "128", "-o", folder_ / "blind"}));
   const DepthSequence sequence = DepthSequence::open(folder_ / "blind/map");
   const DepthImage image = sequence.load(0);
   EXPECT_EQ(image.camera.height, 96) << "3 to 4, as its camera";
@@ -89,10 +72,8 @@ TEST_F(Tools, SimulateTakesAnotherCamera) {
 
 TEST_F(Tools, SimulateMakesMapsThatAreALittleOff) {
   const auto simulate = [&](const std::string& name, std::vector<std::string> options) {
-    std::vector<std::string> arguments = {"room", "--frames", "3", "--width", "80", "-o", folder_ / name};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    const ToolRun run = runTool<SimulateApp>(arguments);
-    EXPECT_EQ(run.code, kOk) << run.err;
+    ok(runTool<SimulateApp>(Arguments{"room", "--frames", "3", "--width", "80", "-o", folder_ / name} +
+                            options));
   };
   const auto images = [&](const std::string& run) {
     std::vector<std::vector<float>> all;
@@ -121,10 +102,9 @@ TEST_F(Tools, SimulateMakesMapsThatAreALittleOff) {
 
 TEST_F(Tools, SimulateAddsSharedErrorsOfTheCamera) {
   const auto simulate = [&](const std::string& name, std::vector<std::string> options) {
-    std::vector<std::string> arguments = {"room",    "--camera", "phone_lidar", "--frames",    "1",
-                                          "--width", "128",      "-o",          folder_ / name};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    EXPECT_EQ(runTool<SimulateApp>(arguments).code, kOk);
+    ok(runTool<SimulateApp>(Arguments{"room", "--camera", "phone_lidar", "--frames", "1", "--width", "128",
+                                      "-o", folder_ / name} +
+                            options));
     return DepthSequence::open(folder_ / (name + "/map")).load(0).depth;
   };
   const auto usual = simulate("usual", {}), shared = simulate("shared", {"--shared-errors"});
@@ -135,10 +115,8 @@ TEST_F(Tools, SimulateAddsSharedErrorsOfTheCamera) {
 }
 
 TEST_F(Tools, SimulateRefusesAnUnknownCamera) {
-  const ToolRun run = runTool<SimulateApp>({"room", "--camera", "nikon", "-o", folder_ / "x"});
-  EXPECT_EQ(run.code, kUsage);
-  EXPECT_THAT(run.err, HasSubstr("unknown camera 'nikon'"));
-  EXPECT_THAT(run.err, HasSubstr("realsense_d435"));
+  EXPECT_THAT(runTool<SimulateApp>({"room", "--camera", "nikon", "-o", folder_ / "x"}),
+              refuses("unknown camera 'nikon'", "realsense_d435"));
   EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
@@ -154,10 +132,8 @@ TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
 }
 
 TEST_F(Tools, SimulateStampsImagesAsARobotDrives) {
-  ASSERT_EQ(runTool<SimulateApp>(
-                {"office", "--frames", "60", "--width", "40", "--rounds", "2", "-o", folder_ / "office"})
-                .code,
-            kOk);
+  ok(runTool<SimulateApp>(
+      {"office", "--frames", "60", "--width", "40", "--rounds", "2", "-o", folder_ / "office"}));
   double stamp = -1;
   for (const char* run : {"map", "query"}) {
     const DepthSequence sequence = DepthSequence::open(folder_ / "office/" + run);
@@ -185,8 +161,8 @@ TEST_F(Tools, SimulateGoesRoundMoreThanOnce) {
                                  "--map-step", "5", "--drive.turn_deg", "180", "--rounds", rounds, "-o",
                                  folder_ / folder});
   };
-  ASSERT_EQ(simulate("once", "1").code, kOk);
-  ASSERT_EQ(simulate("thrice", "3").code, kOk);
+  ok(simulate("once", "1"));
+  ok(simulate("thrice", "3"));
   EXPECT_EQ(simulate("never", "0").code, kUsage);
   EXPECT_EQ(DepthSequence::open(folder_ / "once/map").frames().size(), 40u);
   EXPECT_EQ(DepthSequence::open(folder_ / "thrice/map").frames().size(), 120u);
@@ -199,10 +175,9 @@ TEST_F(Tools, SimulateGoesRoundMoreThanOnce) {
 
 TEST_F(Tools, SimulateWritesTheWheelOdometry) {
   const auto simulate = [&](const std::string& folder, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"office", "--frames",      "30", "--width", "40",
-                                          "-o",     folder_ / folder};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return runTool<SimulateApp>(arguments).code;
+    return runTool<SimulateApp>(
+               Arguments{"office", "--frames", "30", "--width", "40", "-o", folder_ / folder} + more)
+        .code;
   };
   ASSERT_EQ(simulate("without", {}), kOk);
   ASSERT_EQ(simulate("with", {"--odometry"}), kOk);
@@ -241,10 +216,9 @@ TEST_F(Tools, SimulateDrivesInRealTime) {
     arguments.insert(arguments.end(), {"-o", folder_ / folder});
     return runTool<SimulateApp>(arguments);
   };
-  ASSERT_EQ(simulate("all", {"--threads", "2"}).code, kOk);
+  ok(simulate("all", {"--threads", "2"}));
   for (const char* run : {"map", "query", "drive"}) EXPECT_TRUE(fs::exists(folder_ / "all/" + run)) << run;
-  const ToolRun alone = simulate("alone", {"--runs", "drive"});
-  ASSERT_EQ(alone.code, kOk) << alone.err;
+  const ToolRun alone = ok(simulate("alone", {"--runs", "drive"}));
   EXPECT_THAT(alone.out, HasSubstr("15 images"));
   EXPECT_FALSE(fs::exists(folder_ / "alone/map"));
   EXPECT_FALSE(fs::exists(folder_ / "alone/query"));
@@ -261,10 +235,10 @@ TEST_F(Tools, SimulateDrivesInRealTime) {
   EXPECT_FALSE(fs::exists(folder_ / "alone/drive/labels"));
 
   EXPECT_EQ(simulate("alone", {"--runs", "drive"}).code, kFailed);  // is there already
-  EXPECT_EQ(simulate("alone", {"--runs", "map"}).code, kOk);        // beside it
+  ok(simulate("alone", {"--runs", "map"}));                         // beside it
   EXPECT_THAT(simulate("other", {"--runs", "flight"}).err, HasSubstr("map query drive"));
   EXPECT_EQ(simulate("other", {"--pace.rate", "0"}).code, kUsage);
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

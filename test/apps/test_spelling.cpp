@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 TEST(Spelling, DistanceCountsTypingErrors) {
@@ -31,4 +31,4 @@ TEST(Spelling, TheNearestWordIsNamedIfOneIsNear) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 Eigen::Isometry3d at(double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); }
@@ -62,4 +62,4 @@ TEST(StartCurves, OfAnotherWorldAreAlignedWithTheTrueOne) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

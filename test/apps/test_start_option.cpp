@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 TEST(StartPose, LooksTowardsItsHeading) {
@@ -39,4 +39,4 @@ TEST(StartPose, RefusesInvalidText) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

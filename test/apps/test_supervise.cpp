@@ -8,20 +8,12 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
 #include <cmath>
-#include <csignal>
-#include <filesystem>
 #include <fmt/format.h>
 #include <map>
-#include <sstream>
 
 namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using testing::HasSubstr;
 
 constexpr double kMorning = 100;  // [s] when the day begins; an image each 0.1 s
 
@@ -99,10 +91,8 @@ TEST_F(LiveTool, IsSupervisedForADay) {
   ASSERT_TRUE(fs::exists(map));
   EXPECT_GE(linesWith(mapping.out, "").size(), 40u);
 
-  ASSERT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "other", "--seed", "6", "--frames", "20", "--width",
-                                  "320", "--runs", "map"})
-                .code,
-            kOk);
+  ok(runTool<SimulateApp>(
+      {"room", "-o", folder_ / "other", "--seed", "6", "--frames", "20", "--width", "320", "--runs", "map"}));
   const DepthSequence room = DepthSequence::open(sequence()),
                       other = DepthSequence::open(folder_ / "other/map");
   Day day(folder_ / "day", room);

@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
 
 TEST(Text, CountedThings) {
@@ -36,4 +36,4 @@ TEST(TextTable, AlignsColumns) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

@@ -7,16 +7,12 @@
 #include "tools/segment_app.h"
 #include "tools/simulate_app.h"
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 
 namespace facetloc::test {
 
-namespace fs = std::filesystem;
-
 ToolRun runMap(const std::vector<std::string>& arguments) {
-  return test::captured([&](const Console& console) { return runMapTool(arguments, console); });
+  return captured([&](const Console& console) { return runMapTool(arguments, console); });
 }
 
 std::vector<fs::path> filesOf(const std::string& folder) {
@@ -30,19 +26,16 @@ std::unique_ptr<TemporaryFolder> Tools::room_;
 
 void Tools::SetUpTestSuite() {
   room_ = std::make_unique<TemporaryFolder>();
-  const ToolRun run =
-      runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", std::to_string(kFrames),
-                            "--width", "320", "--drive.turn_deg", "8"});
-  ASSERT_EQ(run.code, kOk) << run.err;
-  const ToolRun build = runMap({"build", map_run(), "-o", map(), "--map.distance", "0.1"});
-  ASSERT_EQ(build.code, kOk) << build.err;
+  ok(runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", std::to_string(kFrames),
+                           "--width", "320", "--drive.turn_deg", "8"}));
+  ok(runMap({"build", map_run(), "-o", map(), "--map.distance", "0.1"}));
 }
 
 std::string Tools::withOneCorruptImage() const {
   const std::string folder = folder_ / "input";
   fs::create_directories(folder);
   fs::copy(query(), folder, fs::copy_options::recursive);
-  test::writeContent(filesOf(folder + "/depth")[4], "no PNG at all");
+  writeContent(filesOf(folder + "/depth")[4], "no PNG at all");
   return folder;
 }
 
@@ -52,27 +45,13 @@ void Tools::giveOtherImages(const std::string& input) {
     fs::copy_file(images[i], names[i], fs::copy_options::overwrite_existing);
 }
 
-}  // namespace facetloc::test
-
-namespace facetloc {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::lastLine;
-using test::runMap;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 TEST_F(Tools, RefuseOptionsThatMakeNoSense) {
   const std::string out = folder_ / "out";
   for (const char* width : {"-5", "1", "39"})
     EXPECT_EQ(runTool<SegmentApp>({query(), "-o", out, "--width", width}).code, kUsage) << width;
-  EXPECT_EQ(runTool<SegmentApp>({firstImage(), "-o", out, "--width", "0"}).code, kOk);
+  ok(runTool<SegmentApp>({firstImage(), "-o", out, "--width", "0"}));
   for (const char* tolerance : {"-1", "nan"}) {
     EXPECT_EQ(runMap({"build", query(), "-o", out + ".flmap", "--pose-tolerance", tolerance}).code, kUsage);
     EXPECT_EQ(runTool<EvaluateApp>({out, query(), "--pose-tolerance", tolerance}).code, kUsage);
@@ -82,47 +61,41 @@ TEST_F(Tools, RefuseOptionsThatMakeNoSense) {
 }
 
 TEST_F(Tools, FromMapToEvaluation) {
-  const ToolRun info = runMap({"info", map()});
-  EXPECT_EQ(info.code, kOk);
-  EXPECT_THAT(info.out,
-              AllOf(HasSubstr("local models"), HasSubstr("facetloc 0"), Not(HasSubstr("distance = 0.1"))));
+  const ToolRun info = ok(runMap({"info", map()}));
+  EXPECT_THAT(info.out, HasAll("local models", "facetloc 0", Not(HasSubstr("distance = 0.1"))));
   EXPECT_LE(std::count(info.out.begin(), info.out.end(), '\n'), 40) << "one screen";
   EXPECT_THAT(runMap({"info", map(), "--all"}).out, HasSubstr("[map]\n  distance = 0.1"));
-  EXPECT_EQ(runMap({"check", map()}).code, kOk);
+  ok(runMap({"check", map()}));
 
   for (const char* threads : {"1", "2"}) {
-    const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", folder_ / threads, "--threads", threads});
-    ASSERT_EQ(run.code, kOk) << run.err;
-    EXPECT_THAT(lastLine(run.out), AllOf(HasSubstr("12 images"), HasSubstr(folder_ / threads)));
+    const ToolRun run =
+        ok(runTool<LocalizeApp>({map(), query(), "-o", folder_ / threads, "--threads", threads}));
+    EXPECT_THAT(lastLine(run.out), HasAll("12 images", folder_ / threads));
   }
   for (const char* file : {"/hypotheses.csv", "/poses_tum.txt", "/params.ini"}) {
     EXPECT_FALSE(contentOf(folder_ / "1" + file).empty());
     EXPECT_EQ(contentOf(folder_ / "1" + file), contentOf(folder_ / "2" + file)) << file;
   }
 
-  const ToolRun run = runTool<EvaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map()});
-  EXPECT_EQ(run.code, kOk) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("TABLE I."), HasSubstr("TABLE II."), HasSubstr("12 (100.00 %)")));
+  EXPECT_THAT(ok(runTool<EvaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map()})).out,
+              HasAll("TABLE I.", "TABLE II.", "12 (100.00 %)"));
   for (const char* file : {"evaluation.txt", "tables.csv", "frames.csv", "fig6.csv"})
     EXPECT_TRUE(fs::exists(folder_ / "1/evaluation/" + file)) << file;
 }
 
 TEST_F(Tools, ATrajectoryThatCannotBeReadStopsOnlyWhoNeedsIt) {
-  const std::string input = folder_ / "input", path = folder_ / "m.flmap";
-  fs::copy(query(), input, fs::copy_options::recursive);
-  test::writeContent(input + "/groundtruth.txt", "0.5 left and right\n");
-  EXPECT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}).code, kOk);
-  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "out"}).code, kOk);
-  EXPECT_EQ(runMap({"build", input, "-o", path, "--poses", query() + "/groundtruth.txt"}).code, kOk);
-  const ToolRun run = runMap({"build", input, "-o", folder_ / "other.flmap"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("groundtruth.txt"), HasSubstr("line 1")));
+  const std::string input = folder_.copyOf(query(), "input"), path = folder_ / "m.flmap";
+  writeContent(input + "/groundtruth.txt", "0.5 left and right\n");
+  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}));
+  ok(runTool<SegmentApp>({input, "-o", folder_ / "out"}));
+  ok(runMap({"build", input, "-o", path, "--poses", query() + "/groundtruth.txt"}));
+  EXPECT_THAT(runMap({"build", input, "-o", folder_ / "other.flmap"}), fails("groundtruth.txt", "line 1"));
 }
 
 TEST_F(Tools, ResultsReplaceNoInputs) {
   const std::string list = folder_ / "images.txt", params = folder_ / "params.ini";
-  test::writeContent(list, firstImage() + "\n");
-  test::writeContent(params, "# mine\nwidth = 320\n");
+  writeContent(list, firstImage() + "\n");
+  writeContent(params, "# mine\nwidth = 320\n");
   const std::string here = folder_ / "";
   const auto refuses = [&](const ToolRun& run, const std::string& input) {
     EXPECT_EQ(run.code, kUsage);
@@ -139,12 +112,10 @@ TEST_F(Tools, ResultsReplaceNoInputs) {
   EXPECT_EQ(contentOf(params), "# mine\nwidth = 320\n");
 
   const std::string results = folder_ / "results";
-  ASSERT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", results}).code, kOk);
-  EXPECT_EQ(runTool<LocalizeApp>(
-                {map(), firstImage(), "-o", results, "--params", results + "/params.ini", "--resume"})
-                .code,
-            kOk);
+  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", results}));
+  ok(runTool<LocalizeApp>(
+      {map(), firstImage(), "-o", results, "--params", results + "/params.ini", "--resume"}));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

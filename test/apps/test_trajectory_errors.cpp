@@ -2,16 +2,13 @@
 #include "evaluation/trajectory_errors.h"
 
 #include <facetloc/features/so3.h>
-
-#include <gmock/gmock.h>
+#include <facetloc/testing/matchers.h>
 
 #include <cmath>
 #include <stdexcept>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr double kStep = 0.1, kInterval = 0.2;  // [m], [s]: half a metre per second
 
@@ -131,12 +128,7 @@ TEST(TrajectoryErrors, ACameraThatStandsHasNoWay) {
 }
 
 std::string complaint(const Trajectory& estimate, const Trajectory& truth) {
-  try {
-    trajectoryErrors(estimate, truth);
-  } catch (const std::invalid_argument& e) {
-    return e.what();
-  }
-  return "";
+  return messageOf<std::invalid_argument>([&] { trajectoryErrors(estimate, truth); });
 }
 
 TEST(TrajectoryErrors, NameTheFault) {
@@ -152,4 +144,4 @@ TEST(TrajectoryErrors, NameTheFault) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

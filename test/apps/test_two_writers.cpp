@@ -8,31 +8,11 @@
 #include <facetloc/io/results.h>
 #include <facetloc/testing/places.h>
 
-#include <gmock/gmock.h>
-
-#include <fcntl.h>
-#include <optional>
 #include <sys/stat.h>
 #include <utility>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-namespace fs = std::filesystem;
-using test::contentOf;
-using test::eventually;
-using test::filesOf;
-using test::kLocalizeTool;
-using test::kMapTool;
-using test::kSegmentTool;
-using test::Process;
-using test::runMap;
-using test::runTool;
-using test::ToolRun;
-using test::Tools;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 /** A process in the shell's way: "command > file" and the like. */
 ToolRun shell(const std::string& command) { return Process({"/bin/sh", "-c", command}).wait(); }
@@ -41,8 +21,7 @@ class TwoWriters : public Tools {
 protected:
   /** All images of the query, the last but one a pipe whose writer takes its time. */
   std::string slowImages() {
-    const std::string input = folder_ / "input";
-    fs::copy(query(), input, fs::copy_options::recursive);
+    const std::string input = folder_.copyOf(query(), "input");
     const std::string pipe = filesOf(input + "/depth").rbegin()[1].string();
     fs::remove(pipe);
     EXPECT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -59,7 +38,7 @@ TEST_F(TwoWriters, OneBuildsAMapAndTheOtherSaysWhoIsInTheWay) {
   const std::string input = slowImages(), path = folder_ / "m.flmap";
   for (const char* flag : {"", "--resume", "--overwrite"}) {
     if (*flag) {
-      ASSERT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kOk);
+      ok(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}));
     }
     const std::string before = contentOf(path);
     std::vector<std::string> build = {kMapTool, "build", input, "-o", path, "--every", "1"};
@@ -70,19 +49,18 @@ TEST_F(TwoWriters, OneBuildsAMapAndTheOtherSaysWhoIsInTheWay) {
     ASSERT_TRUE(eventually([&] { return contentOf("/proc/locks").find(held) != std::string::npos; }));
     std::vector<std::string> again = {kMapTool, "build", query(), "-o", path, "--every", "3"};
     if (*flag) again.emplace_back(flag);
-    const ToolRun second = Process(again).wait();
-    EXPECT_EQ(second.code, kFailed);
-    EXPECT_THAT(second.err, HasSubstr("m.flmap: is being written by process " + std::to_string(first.id())));
+    EXPECT_THAT(Process(again).wait(),
+                fails("m.flmap: is being written by process " + std::to_string(first.id())));
     if (*flag) {
       EXPECT_EQ(contentOf(path), before);
     }
     first.signal(SIGKILL);
     first.wait();
   }
-  ASSERT_EQ(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}).code, kOk);
-  EXPECT_EQ(runMap({"check", path}).code, kOk);
+  ok(runMap({"build", query(), "-o", path, "--every", "3", "--overwrite"}));
+  ok(runMap({"check", path}));
   for (const fs::path& file : filesOf(folder_ / ""))
-    EXPECT_THAT(file.filename().string(), testing::AnyOf("m.flmap", "input")) << "left behind";
+    EXPECT_THAT(file.filename().string(), AnyOf("m.flmap", "input")) << "left behind";
 }
 
 TEST_F(TwoWriters, OneLocalizesAndTheOtherSaysWhoIsInTheWay) {
@@ -90,9 +68,8 @@ TEST_F(TwoWriters, OneLocalizesAndTheOtherSaysWhoIsInTheWay) {
   Process first({kLocalizeTool, map(), input, "-o", results});
   ASSERT_TRUE(eventually([&] { return fs::exists(results + "/images.txt"); }));
   for (const char* flag : {"--quiet", "--resume"}) {
-    const ToolRun second = Process({kLocalizeTool, map(), query(), "-o", results, flag}).wait();
-    EXPECT_EQ(second.code, kFailed);
-    EXPECT_THAT(second.err, HasSubstr("results: is being written by process " + std::to_string(first.id())));
+    EXPECT_THAT(Process({kLocalizeTool, map(), query(), "-o", results, flag}).wait(),
+                fails("results: is being written by process " + std::to_string(first.id())));
   }
 }
 
@@ -100,14 +77,12 @@ TEST_F(TwoWriters, CtrlCSaysHowToGoOn) {
   const std::string input = slowImages(), results = folder_ / "results";
   Process job({kLocalizeTool, map(), input, "-o", results, "--threads", "1"});
   ASSERT_TRUE(eventually([&] {
-    return fs::exists(results + "/hypotheses.csv") && readResults(results).size() == test::kFrames - 2u;
+    return fs::exists(results + "/hypotheses.csv") && readResults(results).size() == kFrames - 2u;
   }));
   job.signal(SIGINT);
   close(std::exchange(pipe_, -1));  // the image ends
-  const ToolRun run = job.wait();
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("stopped after "), HasSubstr("--resume goes on")));
-  EXPECT_EQ(readResults(results).size(), test::kFrames - 1u);
+  EXPECT_THAT(job.wait(), fails("stopped after ", "--resume goes on"));
+  EXPECT_EQ(readResults(results).size(), kFrames - 1u);
 }
 
 TEST_F(TwoWriters, APipeWithoutAWriterIsRefusedWithoutWaiting) {
@@ -117,16 +92,14 @@ TEST_F(TwoWriters, APipeWithoutAWriterIsRefusedWithoutWaiting) {
   const std::string image = folder_ / "1.png";
   fs::rename(pipe, image);
   fs::copy(query() + "/camera.ini", folder_ / "camera.ini");
-  const ToolRun run = Process({kSegmentTool, image, "-o", folder_ / "out"}).wait();
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("1.png: is empty"));
+  EXPECT_THAT(Process({kSegmentTool, image, "-o", folder_ / "out"}).wait(), fails("1.png: is empty"));
 }
 
 /** Output would go to the first file that is opened. */
 TEST_F(TwoWriters, AClosedOrDesertedOutputEndsNothing) {
   const std::string info = std::string(kMapTool) + " info " + map();
-  EXPECT_EQ(shell(info + " >&-").code, kOk);
-  EXPECT_EQ(shell(info + " >&- 2>&- <&-").code, kOk);
+  ok(shell(info + " >&-"));
+  ok(shell(info + " >&- 2>&- <&-"));
   EXPECT_EQ(shell("{ " + info + "; echo $? >&2; } | true").err, "0\n");
   if (fs::exists("/dev/full")) {
     EXPECT_EQ(shell(info + " > /dev/full").code, kFailed);
@@ -137,13 +110,11 @@ TEST_F(TwoWriters, NamesAndTextsOfMapsDoNotCommandTheTerminal) {
   const std::string path = folder_ / "\x1B[2Jm.flmap";
   fs::copy(map(), path);
   MapDatabase::open(path).setMeta("note", "\x1B]0;title\x07");
-  const ToolRun info = Process({kMapTool, "info", path}).wait();
-  EXPECT_EQ(info.code, kOk);
-  EXPECT_THAT(info.out, AllOf(HasSubstr("note: \\x1b]0;title\\x07"), HasSubstr("\\x1b[2Jm.flmap"),
-                              Not(HasSubstr("\x1B"))));
-  const ToolRun missing = Process({kMapTool, "info", path + "x"}).wait();
-  EXPECT_THAT(missing.err, AllOf(HasSubstr("\\x1b[2Jm.flmapx: does not exist"), Not(HasSubstr("\x1B"))));
+  const ToolRun info = ok(Process({kMapTool, "info", path}).wait());
+  EXPECT_THAT(info.out, HasAll("note: \\x1b]0;title\\x07", "\\x1b[2Jm.flmap", Not(HasSubstr("\x1B"))));
+  EXPECT_THAT(Process({kMapTool, "info", path + "x"}).wait().err,
+              HasAll("\\x1b[2Jm.flmapx: does not exist", Not(HasSubstr("\x1B"))));
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

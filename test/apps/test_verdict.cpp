@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/verdict.h"
 
-#include <gmock/gmock.h>
+#include <facetloc/testing/matchers.h>
 
 #include <tuple>
 
-namespace facetloc {
+namespace facetloc::test {
 namespace {
-
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::StartsWith;
 
 FrameEvaluation image(AnswerState state, double error_m) {
   FrameEvaluation f;
@@ -150,4 +146,4 @@ TEST(Verdict, IsRelativeToLocalModelsInAMapOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace facetloc
+}  // namespace facetloc::test

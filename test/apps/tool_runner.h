@@ -3,6 +3,8 @@
 
 #include "cli/app.h"
 
+#include <facetloc/testing/matchers.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -14,12 +16,44 @@
 
 namespace facetloc::test {
 
+using Arguments = std::vector<std::string>;
+inline Arguments operator+(Arguments arguments, const Arguments& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
 /** \brief The outcome of a run of a tool. */
 struct ToolRun {
   int code = 0;
   std::string out;
   std::string err;
 };
+
+inline void PrintTo(const ToolRun& run, std::ostream* out) {
+  *out << "code " << run.code << "\n" << run.out << run.err;
+}
+
+/** \brief A run that must have succeeded for the test to go on. */
+inline ToolRun ok(const ToolRun& run) {
+  if (run.code != kOk) throw std::runtime_error("code " + std::to_string(run.code) + ": " + run.err);
+  return run;
+}
+
+/** \brief Matches a run that ends with a code and has each of these words in its errors. */
+template <class... Words>
+auto ends(int code, const Words&... words) {
+  return AllOf(testing::Field("code", &ToolRun::code, code),
+               testing::Field("err", &ToolRun::err, HasAll(words...)));
+}
+template <class... Words>
+auto fails(const Words&... words) {
+  return ends(kFailed, words...);
+}
+/** \brief The same of a command line that is wrong. */
+template <class... Words>
+auto refuses(const Words&... words) {
+  return ends(kUsage, words...);
+}
 
 template <class Run>
 ToolRun captured(const Run& run) {
@@ -50,9 +84,20 @@ public:
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  /** \brief A copy of another folder in it. */
+  std::string copyOf(const std::string& other, const std::string& name) const {
+    std::filesystem::copy(other, path_ / name, std::filesystem::copy_options::recursive);
+    return *this / name;
+  }
 
 private:
   std::filesystem::path path_;
+};
+
+/** \brief Tests that each have a folder. */
+class InAFolder : public testing::Test {
+protected:
+  TemporaryFolder folder_;
 };
 
 inline std::string contentOf(const std::filesystem::path& path) {
