@@ -1,4 +1,4 @@
-/* Chart.js, release 3.9. Copyright 2014-2022 Chart.js contributors; its part @kurkle/color: copyright 2018-2021 Jukka Kurkela. The
+/* Chart.js, release 3.9. Copyright 2014-2022 Chart.js contributors; its part @kurkle/color: copyright 2022 Jukka Kurkela. The
 MIT License: Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated
 documentation files (the "Software"), to deal in the Software without restriction, including without limitation the rights to use,
 copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the Software
