@@ -56,14 +56,15 @@ declare -A interface=(
     nearby/view_alignment.h ranking/global_localization.h shortlist/plane_triplet_matcher.h"
 )
 
+# moduleOf FILE: sets module; a process for each line would take a minute on a busy machine.
 moduleOf() {
   case $1 in
-    io/simulation/*) echo simulation ;;
-    io/openni/*) echo openni ;;
-    io/openni_driver/*) echo openni_driver ;;
-    registration/localization/*) echo localization ;;
-    registration/mapping/*) echo mapping ;;
-    *) echo "${1%%/*}" ;;
+    io/simulation/*) module=simulation ;;
+    io/openni/*) module=openni ;;
+    io/openni_driver/*) module=openni_driver ;;
+    registration/localization/*) module=localization ;;
+    registration/mapping/*) module=mapping ;;
+    *) module=${1%%/*} ;;
   esac
 }
 
@@ -76,7 +77,7 @@ complain() {
 }
 
 while IFS=: read -r file line include; do
-  module=$(moduleOf "$file")
+  moduleOf "$file"
   if [[ $include =~ \<facetloc/([a-z_]+)/ ]]; then
     has "${modules[$module]}" "${BASH_REMATCH[1]}" || complain "$file:$line" "$module" "${BASH_REMATCH[1]}"
   elif [[ $include =~ \"([^\"]+)\" ]]; then
@@ -84,11 +85,11 @@ while IFS=: read -r file line include; do
     [[ $file == */include/* ]] && complain "$file:$line" "a public header" "\"$private\""
     room=${private%%/*}
     if [[ $private != */* || $room =~ ^(base|poses|threads)$ ]]; then continue; fi
-    [[ $file =~ /src/[^/]+/ ]] || continue  # in no room, such as a main()
-    own=$module/$(sed -E 's#^.*/src/([^/]+)/.*#\1#' <<<"$file")
+    [[ $file =~ (.*/src)/([^/]+)/ ]] || continue  # in no room, such as a main()
+    src=${BASH_REMATCH[1]} own=$module/${BASH_REMATCH[2]}
     has "${rooms[$own]:-}" "$room" || complain "$file:$line" "$own" "$room"
-    if [ -n "${interface[$module]:-}" ] && [ ! -d "$(dirname "$(dirname "$file")")/$room" ]; then
-      has "$(tr -s ' \n' ' ' <<<"${interface[$module]}")" "$private" || complain "$file:$line" "$module" "\"$private\""
+    if [ -n "${interface[$module]:-}" ] && [ ! -d "$src/$room" ]; then
+      has "${interface[$module]//$'\n'/ }" "$private" || complain "$file:$line" "$module" "\"$private\""
     fi
   fi
 done < <(git grep -nE '^#include (<facetloc/|")' -- ':!*.md' 'features/*' 'segmentation/*' 'registration/*' 'io/*' 'apps/*' |
