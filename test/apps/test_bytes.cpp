@@ -2,9 +2,9 @@
 #include "batch/bytes.h"
 #include "example_scene.h"
 
+#include <facetloc/io/map_database.h>
 #include <facetloc/segmentation/view_builder.h>
-
-#include <gmock/gmock.h>
+#include <facetloc/testing/matchers.h>
 
 namespace facetloc::test {
 namespace {

@@ -20,8 +20,8 @@ void SeenRun::see(const Camera& camera, const ViewParams& params) {
 }
 
 void findAmbiguity(Map& map, const GlobalLocalizationParams& params) {
-  internal::setAmbiguity(internal::aliasScores(GlobalLocalization(std::make_shared<const Map>(map), params)),
-                         map);
+  internal::setAmbiguity(
+      internal::aliasScores(internal::GlobalLocalization(std::make_shared<const Map>(map), params)), map);
 }
 
 MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query,

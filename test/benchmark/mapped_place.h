@@ -4,7 +4,7 @@
 #include "evaluation/evaluation.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/localization/global_localization.h>
+#include <facetloc/localization/localization_params.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/segmentation/view_builder.h>
 

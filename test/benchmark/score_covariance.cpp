@@ -21,6 +21,7 @@
 #include "mapped_place.h"
 #include "motion/camera_motion.h"
 #include "programs.h"
+#include "ranking/global_localization.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
