@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+
 #include <optional>
 #include <utility>
 
@@ -10,7 +11,8 @@ namespace facetloc::internal {
 /** \brief Motions from image to image by the poses of an odometry. */
 class OdometrySteps {
 public:
-  /** \brief T_before_now since the pose before; nothing at the first one, and where one of the two is unknown. */
+  /** \brief T_before_now since the pose before; nothing at the first one, and where one of the two is
+   * unknown. */
   std::optional<Eigen::Isometry3d> to(const std::optional<Eigen::Isometry3d>& T_o_c) {
     const std::optional<Eigen::Isometry3d> before = std::exchange(T_o_before_, T_o_c);
     if (!before || !T_o_c) return {};
