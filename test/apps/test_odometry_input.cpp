@@ -160,7 +160,8 @@ TEST_F(OdometryFiles, MayHoldCommandsAndNameEachFaultOfThem) {
   EXPECT_TRUE(input.takeRelocalize());
   EXPECT_FALSE(input.takeRelocalize());
   input.refuse(*start, "it is in no part");
-  EXPECT_THAT(input.fault(), HasAll("line 3", "line 4", "line 6: it is in no part"));
+  for (const char* fault : {"line 3", "line 4", "line 6: it is in no part"})
+    EXPECT_THAT(input.fault(), HasSubstr(fault));
   EXPECT_EQ(input.fault(), "");
 }
 
