@@ -52,11 +52,11 @@ public:
   virtual void setWhole() {}
 
   /** \brief Results of completeMap(), which map() has got already.
-   * \param camera with the mounting that was found */
+   * The camera has the mounting that was found. */
   virtual void setMounting(const Camera& /*camera*/, const FoundMounting& /*found*/) {}
   /** \brief The sink may keep a place index, unless it has one of this map. */
   virtual void setPlaceIndex(const Map& /*map*/) {}
-  /** \param alias_scores indexed by local model [nats] */
+  /** \brief The scores of aliases are indexed by local model [nats]. */
   virtual void setAmbiguity(const MapAmbiguity& /*ambiguity*/,
                             const std::vector<std::optional<double>>& /*alias_scores*/) {}
 };
