@@ -49,7 +49,7 @@ template <class... Words>
 auto fails(const Words&... words) {
   return ends(kFailed, words...);
 }
-/** \brief The same of a command line that is wrong. */
+/** \brief Matches a run that refuses its command line with errors that have these words. */
 template <class... Words>
 auto refuses(const Words&... words) {
   return ends(kUsage, words...);

@@ -9,8 +9,8 @@
 
 namespace facetloc {
 
-// Charts of reports: their data, which apps/pages/report.js draws. Rows are arrays of numbers, in the order
-// of the names below.
+// The data of the charts of reports, which apps/pages/report.js draws. Rows are arrays of numbers. Each
+// comment below lists the names of a row's numbers in their order.
 
 /** \brief The charts of an evaluation; null without data.
  *
