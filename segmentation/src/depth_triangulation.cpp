@@ -13,6 +13,7 @@ namespace {
 
 using Vertex = DepthTriangulation::Vertex;
 
+constexpr double kFillPixels = 20;  // area from which a poorly filled triangle is refined [px at 320x240]
 constexpr double kMinFillPixels =
     7;  // with this number of valid pixels, one behind the middle one is no vertex
 
@@ -127,7 +128,7 @@ void DepthTriangulation::compute(const DisparityImage& image) {
   fresh_.clear();
   image_ = &image;
   min_split_ = scaledPixels(params_.min_area, image.camera);
-  min_fill_pixels_ = std::max(kMinFillPixels, scaledPixels(params_.min_fill_pixels, image.camera));
+  fill_pixels_ = std::max(kMinFillPixels, scaledPixels(kFillPixels, image.camera));
   const int w = image.camera.width, h = image.camera.height;
   if (w < 2 || h < 2 || std::none_of(image.d.begin(), image.d.end(), [](float d) { return d > 0; })) return;
 
@@ -227,13 +228,12 @@ bool DepthTriangulation::isSmall(const Triangle& t) const {
 }
 
 bool DepthTriangulation::mustSplit(Triangle& t) const {
-  const bool poorly_filled =
-      t.num_pixels >= min_fill_pixels_ && t.num_valid < params_.min_fill * t.num_pixels;
+  const bool poorly_filled = t.num_pixels >= fill_pixels_ && t.num_valid < kMinFill * t.num_pixels;
   if (!(t.max_deviation > params_.tolerance) && !poorly_filled) return false;
   if (t.worst_row >= 0) t.worst_pixel = mostDeviating(*image_, t.worst_row, t.plane, t.max_deviation);
   if (t.worst_pixel >= 0 && !isVertex(t, t.worst_pixel)) return true;
   // Nothing deviates, but for rounding noise at a vertex; an outline may be left to find.
-  if (!poorly_filled || t.num_valid < min_fill_pixels_) return false;
+  if (!poorly_filled || t.num_valid < fill_pixels_) return false;
   t.worst_pixel = middlePixel(t);
   return t.worst_pixel >= 0;
 }

@@ -70,7 +70,7 @@ private:
 
   SplitParams params_;
   const DisparityImage* image_ = nullptr;
-  double min_split_ = 0, min_fill_pixels_ = 0;  // sizes in the image [px]
+  double min_split_ = 0, fill_pixels_ = 0;  // sizes in the image [px]
   std::vector<Vertex> vertices_;
   std::vector<Triangle> triangles_;
   int round_ = 0;

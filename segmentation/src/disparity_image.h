@@ -19,6 +19,10 @@ struct DisparityImage {
   std::vector<float> d;
 };
 
+/** \brief Least share of measured pixels of a triangle or a square that is a plane: with fewer, the plane is
+ * extrapolated. */
+constexpr double kMinFill = 0.5;
+
 /** \brief Depth to disparity in units of the given inverse-depth noise [1/m]. */
 void toDisparity(const DepthImage& image, double unit, DisparityImage& out);
 

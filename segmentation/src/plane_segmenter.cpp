@@ -116,7 +116,7 @@ struct PlaneSegmenter::Impl {
       : params_(params),
         noise_(noise),
         triangulation_(params.split),
-        tree_(params.split.min_fill, params.merge.tolerance),
+        tree_(params.merge.tolerance),
         merge_(params.merge) {}
 
   void segment(const DepthImage& image, LabelledPlanes& out);

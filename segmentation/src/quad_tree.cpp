@@ -5,8 +5,7 @@
 
 namespace facetloc::internal {
 
-QuadTree::QuadTree(double min_fill, double tolerance)
-    : min_fill_(min_fill), max_square_(tolerance * tolerance) {}
+QuadTree::QuadTree(double tolerance) : max_square_(tolerance * tolerance) {}
 
 void QuadTree::compute(const DisparityImage& image) {
   leaves_.clear();
@@ -20,7 +19,7 @@ void QuadTree::compute(const DisparityImage& image) {
   leaf_of_cell_.assign(levels_[0].cells.size(), -1);
   leaves_.reserve(levels_[0].cells.size());
 
-  const CellBounds bounds{min_fill_, static_cast<float>(max_square_)};
+  const CellBounds bounds{kMinFill, static_cast<float>(max_square_)};
   for (int row = 0; row < levels_[0].rows; ++row)
     fitSmallestCells(image, row, bounds, levels_[0].cells.data() + std::size_t(row) * levels_[0].columns);
   for (int level = 1; level < kLevels; ++level) joinParts(levels_[level - 1], levels_[level]);

@@ -24,9 +24,8 @@ public:
     PlaneMoments moments;       ///< moments of its measured pixels in (u, v, disparity)
   };
 
-  /** \param min_fill least share of measured pixels of a smallest cell
-   * \param tolerance largest residual and displacement of one plane, those of merging [noise std] */
-  explicit QuadTree(double min_fill = SplitParams{}.min_fill, double tolerance = MergeParams{}.tolerance);
+  /** \param tolerance largest residual and displacement of one plane, those of merging [noise std] */
+  explicit QuadTree(double tolerance = MergeParams{}.tolerance);
 
   void compute(const DisparityImage& image);
 
@@ -75,7 +74,7 @@ private:
   void collectLeaves(int level);
   void addLeaf(int level, int column, int row);
 
-  double min_fill_, max_square_;
+  double max_square_;
   std::array<Level, kLevels> levels_;
   std::vector<Leaf> leaves_;
   std::vector<std::int32_t> leaf_of_cell_;

@@ -64,7 +64,7 @@ void RegionMerging::compute(const DepthTriangulation& triangulation, const Dispa
   begin(triangles.size());
   for (int i = 0; i < n; ++i) {
     const DepthTriangulation::Triangle& t = triangles[i];
-    if (t.num_valid == 0 || t.num_valid < triangulation.params().min_fill * t.num_pixels) continue;
+    if (t.num_valid == 0 || t.num_valid < kMinFill * t.num_pixels) continue;
     if (t.max_deviation > triangulation.params().tolerance) continue;
     if (isDiscontinuity(t.plane, image)) continue;
     const PlaneMoments moments = momentsOf(image, triangulation.rows(t));

@@ -64,14 +64,14 @@ void MappedPlace::use(const Map& map, const ViewParams& params) {
   seeQuery(map, params);
 }
 
-bool MappedPlace::covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const {
+bool MappedPlace::covers(const Eigen::Isometry3d& T_w_c) const {
   return std::any_of(models_.begin(), models_.end(), [&](const ModelPose& model) {
     const PoseError error = poseError(model.T_w_m, T_w_c);
-    return error.translation <= params.covered_distance && error.rotation_deg <= params.covered_rotation_deg;
+    return error.translation <= kCoveredDistance && error.rotation_deg <= kCoveredRotationDeg;
   });
 }
 
-PosedRun MappedPlace::posedQuery(const EvaluationParams& params) const {
+PosedRun MappedPlace::posedQuery() const {
   const PlaceTruth truth = truth_.of(query_name_);
   PosedRun run;
   for (std::size_t i = 0; i < query_.frames.size(); ++i) {
@@ -82,7 +82,7 @@ PosedRun MappedPlace::posedQuery(const EvaluationParams& params) const {
     run.views.push_back(query_.views[i]);
     run.stamps.push_back(stamp);
     run.truth.push_back(*T_w_c);
-    run.covered.push_back(covers(*T_w_c, params));
+    run.covered.push_back(covers(*T_w_c));
   }
   return run;
 }

@@ -69,10 +69,10 @@ public:
   void use(const Map& map, const ViewParams& params);
 
   /** \brief Does a local model show what a camera sees from there? */
-  bool covers(const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) const;
+  bool covers(const Eigen::Isometry3d& T_w_c) const;
 
   /** \brief The images of the query that were seen and have a true pose. */
-  PosedRun posedQuery(const EvaluationParams& params) const;
+  PosedRun posedQuery() const;
 
   const PlaceTruth& truth() const { return truth_; }
   const std::vector<ModelPose>& models() const { return models_; }

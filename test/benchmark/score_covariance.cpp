@@ -279,7 +279,7 @@ private:
   std::vector<Tally> tallies(const std::string& folder) const {
     MappedPlace place(folder, static_cast<std::size_t>(every_), run_, map_poses_);
     const auto map = std::make_shared<const Map>(mapOfPlace(place));
-    const PosedRun run = place.posedQuery(evaluation_);
+    const PosedRun run = place.posedQuery();
     std::vector<Tally> all;
     const auto add = [&](const std::string& kind, const std::vector<Answer>& answers) {
       count(answers, run, all.emplace_back(Tally{"", kind, ""}));

@@ -193,7 +193,7 @@ private:
     for (const std::string& name : places_) {
       MappedPlace place(name, static_cast<std::size_t>(every_), run_);
       Map map = place.see(view_);
-      const PosedRun seen = place.posedQuery(evaluation_);
+      const PosedRun seen = place.posedQuery();
       benchmarks::findAmbiguity(map, localization_);
       const std::vector<Course> courses = coursesOf(std::make_shared<const Map>(std::move(map)), seen);
       print(fs::path(name).filename().string(), courses);

@@ -48,7 +48,7 @@ struct Floor : benchmarks::PosedRun {
   explicit Floor(const std::string& folder) {
     benchmarks::MappedPlace place(folder, 1, "drive");
     map = std::make_shared<const Map>(place.see({}));
-    PosedRun::operator=(place.posedQuery({}));
+    PosedRun::operator=(place.posedQuery());
   }
   std::shared_ptr<const Map> map;
 };

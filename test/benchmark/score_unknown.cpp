@@ -265,7 +265,7 @@ private:
         answer = {name,
                   frame.name,
                   is_emptied,
-                  place.covers(*T_w_c, evaluation_),
+                  place.covers(*T_w_c),
                   false,
                   static_cast<int>(view.segments.size()),
                   (is_emptied ? emptied : whole)->ambiguity,

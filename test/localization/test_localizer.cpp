@@ -510,10 +510,10 @@ TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
     const Localization found = localization.localize(views[i]);
     belief.look(view(i), &found);
     ASSERT_FALSE(belief.places().empty());
-    EXPECT_LE(logOdds(belief), params.most_log_odds);
+    EXPECT_LE(logOdds(belief), kMostLogOdds);
     EXPECT_LE(belief.places().size(), 3u);
   }
-  EXPECT_DOUBLE_EQ(logOdds(belief), params.most_log_odds);
+  EXPECT_DOUBLE_EQ(logOdds(belief), kMostLogOdds);
 }
 
 TEST_F(BeliefInARoom, TheMostProbablePlacesAreKept) {

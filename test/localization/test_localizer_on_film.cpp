@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "motion/view_odometry.h"
 #include "nearby/view_alignment.h"
 #include "opened_map.h"
 
@@ -431,7 +432,7 @@ TEST_F(FilmOfACorridor, ThePositionAlongItIsDegenerate) {
     poses.push_back(turned(2.4 * static_cast<double>(i)));
   // Then to and fro, as the motion model assumes: no view could reveal a steady motion either.
   Rng rng(4);
-  std::normal_distribution<double> step(0, ViewOdometryParams{}.speed_change * kFrame);
+  std::normal_distribution<double> step(0, internal::kSpeedChange * kFrame);
   double y = 2.5;
   for (int i = 1; i <= 60; ++i) poses.push_back(at(y += step(rng)));
   for (int i = 0; i <= 12; ++i) models.push_back(turned(15 * i));

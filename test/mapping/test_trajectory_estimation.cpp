@@ -250,7 +250,7 @@ TEST(TrajectoryEstimation, AnyStampsAndEmptyViewsHaveAnAnswer) {
   EXPECT_LE(found.parts().size(), 2u) << "an empty view may break the chain, once";
   EXPECT_THROW(TrajectoryEstimation([] {
                  MappingParams p;
-                 p.reach = -1;
+                 p.odometry.key_distance = -1;
                  return p;
                }()),
                std::invalid_argument);

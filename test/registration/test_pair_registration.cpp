@@ -82,7 +82,7 @@ TEST(PairRegistration, GivesReasonsWhereItHasNoPose) {
 
 TEST(PairRegistration, RefusesParametersOutOfTheirRange) {
   RegistrationParams params;
-  params.evidence.models = -1;
+  params.evidence.hypotheses = -1;
   EXPECT_THROW(PairRegistration(View(), params), std::invalid_argument);
 }
 

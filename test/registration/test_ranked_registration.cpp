@@ -316,7 +316,7 @@ TEST(PlanarRegistration, ReadsItsTargetOnceForManySources) {
 
 TYPED_TEST(OurRegistration, ParametersOutOfTheirRangeAreRefused) {
   RegistrationParams params;
-  params.evidence.models = -1;
+  params.evidence.hypotheses = -1;
   EXPECT_THROW(this->ranked().setRegistrationParams(params), std::invalid_argument);
 }
 

@@ -185,17 +185,17 @@ TEST_P(EveryImage, VerticesArePutWhereATriangleDeviatesMost) {
 
 TEST_P(EveryImage, NothingIsLeftToRefine) {
   const SplitParams p;
-  const double min_fill_pixels = std::max(7.0, scaledPixels(p.min_fill_pixels, image().camera));
+  const double fill_pixels = std::max(7.0, scaledPixels(20, image().camera));
   for (const Triangle& t : split.triangles()) {
     const bool flat = t.max_deviation <= p.tolerance;
-    const bool filled = t.num_pixels < min_fill_pixels || t.num_valid >= p.min_fill * t.num_pixels;
+    const bool filled = t.num_pixels < fill_pixels || t.num_valid >= kMinFill * t.num_pixels;
     const double area =
         0.5 * static_cast<double>(orientation(vertex(t.vertex[0]), vertex(t.vertex[1]), vertex(t.vertex[2])));
     const bool small = area <= scaledPixels(p.min_area, image().camera);
     bool worst_is_vertex = t.worst_pixel < 0;
     for (const int k : t.vertex)
       worst_is_vertex = worst_is_vertex || vertex(k).v * image().camera.width + vertex(k).u == t.worst_pixel;
-    const bool sparse = t.num_valid < min_fill_pixels;
+    const bool sparse = t.num_valid < fill_pixels;
     EXPECT_TRUE((flat && filled) || small || (worst_is_vertex && (filled || sparse)));
   }
 }

@@ -103,7 +103,7 @@ TEST(QuadTree, PartsThatAreTwoPlanesAreNotJoined) {
     for (int v = 0; v < 8; ++v) std::fill_n(image.d.begin() + v * 8 + 4, 4, 400.f + step);
     const double rms =
         step / 4;  // residual of both halves to their plane, to which they are parallel no more
-    QuadTree tree(0.5, 1.01 * rms);
+    QuadTree tree(1.01 * rms);
     tree.compute(image);
     EXPECT_EQ(tree.leaves().size(), 4u) << "their displacement is twice that";
   }

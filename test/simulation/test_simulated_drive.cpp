@@ -73,7 +73,7 @@ TEST_P(SimulatedDrive, InTimeItKeepsToItsSpeeds) {
   const auto poses = simulateDrive(scene_, 900, even, GetParam(), {}, pace);
   ASSERT_EQ(poses.size(), 900u);
   const double step = pace.speed / pace.rate, turn = pace.turn_rate_deg * kDegree / pace.rate;
-  const double sway = even.sway_deg * kDegree * 2 * EIGEN_PI / even.sway_length * step;
+  const double sway = even.sway_deg * kDegree * 2 * EIGEN_PI / kSwayLength * step;
   int driving = 0, turning = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Eigen::Isometry3d motion = poses[i - 1].inverse() * poses[i];

@@ -183,10 +183,8 @@ private:
           (!model.name.empty() && model.name == e.name) || std::abs(model.stamp - e.stamp) < kSameStamp;
       const bool same_file = size > 0 && size == model.image_size && model.name == e.name;
       if (same && (same_file || near.distance < kSamePosition)) e.frame_class = FrameClass::map_image;
-      if (near.distance <= params_.covered_distance && near.angle_deg <= params_.covered_rotation_deg)
-        covering.push_back(i);
-      const double cost =
-          std::max(near.distance * params_.covered_rotation_deg, near.angle_deg * params_.covered_distance);
+      if (near.distance <= kCoveredDistance && near.angle_deg <= kCoveredRotationDeg) covering.push_back(i);
+      const double cost = std::max(near.distance * kCoveredRotationDeg, near.angle_deg * kCoveredDistance);
       if (e.nearest && cost >= least) continue;
       least = cost;
       e.nearest = near;

@@ -25,13 +25,14 @@ constexpr double kVisiblePixels = 150;      ///< size of a true plane that count
 constexpr double kSolvablePosition = 0.05;  ///< largest standard deviation by shared planes [m]
 constexpr double kSolvableRotationDeg = 3;  ///< largest standard deviation of the orientation
 
-/** \brief When a hypothesis is correct, and which images a map can be expected to localize. */
+constexpr double kCoveredDistance = 1.0;    ///< largest distance of a local model that covers an image [m]
+constexpr double kCoveredRotationDeg = 20;  ///< largest angle of a local model that covers an image
+
+/** \brief When a hypothesis is correct. */
 struct EvaluationParams {
-  static constexpr const char* kTitle = "Limits of correct, covered and solvable";
+  static constexpr const char* kTitle = "Limits of a correct pose";
   double max_translation = 0.2;
   double max_rotation_deg = 2;
-  double covered_distance = 1.0;
-  double covered_rotation_deg = 20;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -39,11 +40,6 @@ struct EvaluationParams {
           "Maximum position error of a correct hypothesis [m].", kForUsers);
     visit("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
           "Maximum orientation error of a correct hypothesis [deg].", kForUsers);
-    visit("covered_distance", p.covered_distance, 0.0, 1e6,
-          "An image is covered by the map if a local model is within this distance of its true pose [m].");
-    visit(
-        "covered_rotation_deg", p.covered_rotation_deg, 0.0, 180.0,
-        "An image is covered by the map if a local model is also within this angle of its true pose [deg].");
   }
   void validate() const { checkRanges(*this); }
 };

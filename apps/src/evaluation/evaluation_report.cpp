@@ -108,8 +108,8 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
                   p.max_rotation_deg)};
   if (report.alignment) lines.push_back(alignmentText(*report.alignment));
   if (!frames.empty() && frames.front().nearest)
-    lines.push_back(fmt::format("Covered: a local model within {:.9g} m and {:.9g} deg.", p.covered_distance,
-                                p.covered_rotation_deg));
+    lines.push_back(fmt::format("Covered: a local model within {:.9g} m and {:.9g} deg.", kCoveredDistance,
+                                kCoveredRotationDeg));
   if (std::any_of(frames.begin(), frames.end(), [](const auto& f) { return f.solvable.has_value(); }))
     lines.push_back(fmt::format(
         "Solvable: the true planes of at least {:.9g} px at 320x240 that the image shares with a covering "
@@ -117,9 +117,9 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
         kVisiblePixels, kSolvablePosition, kSolvableRotationDeg));
   const auto unmapped = [](const auto& f) { return f.unmapped; };
   if (const auto n = std::count_if(frames.begin(), frames.end(), unmapped)) {
-    const auto near = std::count_if(frames.begin(), frames.end(), [&](const auto& f) {
-      return f.unmapped && f.nearest && f.nearest->distance <= p.covered_distance &&
-             f.nearest->angle_deg <= p.covered_rotation_deg;
+    const auto near = std::count_if(frames.begin(), frames.end(), [](const auto& f) {
+      return f.unmapped && f.nearest && f.nearest->distance <= kCoveredDistance &&
+             f.nearest->angle_deg <= kCoveredRotationDeg;
     });
     lines.push_back(fmt::format(
         "Nothing there: {} of places that the map does not know{}.",

@@ -93,14 +93,14 @@ std::string rightSentence(const Counts& c, const EvaluationParams& p) {
 }
 
 /** The share of images with an obstacle, from the verb on. */
-std::string obstacleText(Obstacle obstacle, std::size_t n, const Counts& c, const EvaluationParams& p) {
+std::string obstacleText(Obstacle obstacle, std::size_t n, const Counts& c) {
   const auto verb = [n](const char* one, const char* many) { return std::string(n == 1 ? one : many); };
   switch (obstacle) {
   case Obstacle::not_mapped:
     return verb("shows a place", "show places") + " that the map lacks";
   case Obstacle::not_covered:
     return fmt::format("{} taken more than {:.9g} m or {:.9g}° from every local model", verb("was", "were"),
-                       p.covered_distance, p.covered_rotation_deg);
+                       kCoveredDistance, kCoveredRotationDeg);
   case Obstacle::few_planes:
     return verb("shares", "share") + " too few planes with the map to fix a pose";
   case Obstacle::no_place: {
@@ -126,20 +126,20 @@ std::vector<std::pair<Obstacle, std::size_t>> byNumber(const std::map<Obstacle, 
   return sorted;
 }
 
-std::string obstacleSentence(const Counts& c, const EvaluationParams& p) {
+std::string obstacleSentence(const Counts& c) {
   const std::size_t others = c.frames.size() - c.sure;
   if (others == 0) return "No image is left without a sure answer.";
   const auto sorted = byNumber(c.obstacles);
   if (sorted.size() == 1)
     return fmt::format("The other {} {}.", others == 1 ? "one" : std::to_string(others),
-                       obstacleText(sorted[0].first, others, c, p));
+                       obstacleText(sorted[0].first, others, c));
   std::string list;
   for (std::size_t i = 0; i < sorted.size(); ++i)
     list += fmt::format("{}{} {}",
                         i == 0                   ? ""
                         : i + 1 == sorted.size() ? ", and "
                                                  : ", ",
-                        sorted[i].second, obstacleText(sorted[i].first, sorted[i].second, c, p));
+                        sorted[i].second, obstacleText(sorted[i].first, sorted[i].second, c));
   return fmt::format("Of the other {}, {}.", others, list);
 }
 
@@ -218,7 +218,7 @@ Verdict verdictOf(const EvaluationReport& report) {
   verdict.sentences = {fmt::format("Of {} {}image{}, {} {} a sure answer ({}).", c.frames.size(), which,
                                    c.frames.size() == 1 ? "" : "s", c.sure, c.sure == 1 ? "has" : "have",
                                    percent(c.sure, c.frames.size())),
-                       rightSentence(c, report.params), obstacleSentence(c, report.params)};
+                       rightSentence(c, report.params), obstacleSentence(c)};
   if (report.map_alignment)
     verdict.map =
         fmt::format("The map lies in a frame of its own and is bent by {:.1f}° and {} (RMS, its {} against "

@@ -173,7 +173,7 @@ public:
 
 private:
   double heading() const {
-    const double sway = std::sin(2 * kPi * odometer_ / params_.sway_length + sway_phase_);
+    const double sway = std::sin(2 * kPi * odometer_ / kSwayLength + sway_phase_);
     return course_ + params_.sway_deg * kDegree * sway;
   }
   /** Wheels do not slip sideways: in time, a robot that sways weaves about the line. Images that are taken

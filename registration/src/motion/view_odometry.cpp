@@ -162,8 +162,8 @@ void ViewOdometry::learnVelocity(const PoseWithCovariance& predicted, const Pose
 PoseWithCovariance ViewOdometry::predict(double dt) const {
   Vector6d motion = dt < kLongStep ? Vector6d(dt * velocity_) : Vector6d(Vector6d::Zero());
   Vector6d std;
-  std << Eigen::Vector3d::Constant(params_.turn_rate_change_deg * kDegree * dt),
-      Eigen::Vector3d::Constant(params_.speed_change * dt);
+  std << Eigen::Vector3d::Constant(kTurnRateChangeDeg * kDegree * dt),
+      Eigen::Vector3d::Constant(kSpeedChange * dt);
   Matrix6d P = std.cwiseAbs2().asDiagonal();
   if (camera_motion_) {
     const Matrix6d& A = *camera_motion_;

@@ -10,6 +10,12 @@
 
 namespace facetloc::internal {
 
+/** \brief Change of the velocity of a camera, in the hand or on a robot, from view to view along each axis,
+ * standard deviation [m/s]. */
+constexpr double kSpeedChange = 0.4;
+/** \brief Change of its turn rate about each axis, standard deviation [deg/s]. */
+constexpr double kTurnRateChangeDeg = 40;
+
 /** \brief A motion between two views. */
 struct ViewMotion {
   /// pose of the camera: a = the view before, b = this view; the covariance is the growth of the error of

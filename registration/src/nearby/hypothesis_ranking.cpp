@@ -15,6 +15,8 @@
 namespace facetloc::internal {
 namespace {
 
+constexpr int kRefinedPlaces = 12;  // best places that are refined, a limit of time
+
 // Evidence of several models about one world pose: all together about each pixel of the scene, and one by one
 // about their own pixels, moved into the scene.
 struct DepthEvidence {
@@ -234,7 +236,7 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
 
 void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses,
                                      PixelVerdicts& known) const {
-  const std::size_t n = hopeful(hypotheses, params_.refinement.places, params_.calibration.probability.slope);
+  const std::size_t n = hopeful(hypotheses, kRefinedPlaces, params_.calibration.probability.slope);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];

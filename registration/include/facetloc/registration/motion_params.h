@@ -8,17 +8,11 @@ namespace facetloc {
 /** \brief How a camera moves from view to view, and which of its views are kept as keyframes. */
 struct ViewOdometryParams {
   static constexpr const char* kTitle = "Motion of the camera from view to view";
-  double speed_change = 0.4;
-  double turn_rate_change_deg = 40;
   double key_distance = 0.3;
   double key_rotation_deg = 12;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
-    visit("speed_change", p.speed_change, 1e-3, 100.0,
-          "Change of the velocity from view to view along each axis, standard deviation [m/s].");
-    visit("turn_rate_change_deg", p.turn_rate_change_deg, 0.1, 3600.0,
-          "Change of the turn rate from view to view about each axis, standard deviation [deg/s].");
     visit("key_distance", p.key_distance, 0.0, 100.0,
           "Distance from all keyframes at which a new one is taken [m].");
     visit("key_rotation_deg", p.key_rotation_deg, 0.0, 180.0,

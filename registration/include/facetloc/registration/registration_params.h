@@ -28,14 +28,12 @@ struct ConsensusParams {
 struct EvidenceParams {
   static constexpr const char* kTitle = "Evidence of the local models nearest to a place";
   bool enabled = true;
-  int models = 5;
   int hypotheses = 60;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("enabled", p.enabled, false, true,
           "Test the best hypotheses against the depth of the nearest local models.");
-    visit("models", p.models, 1, 100, "Maximum number of local models that give evidence of a place.");
     visit("hypotheses", p.hypotheses, 1, 100000, "Maximum number of hypotheses that are tested.");
   }
   void validate() const { checkRanges(*this); }
@@ -57,12 +55,10 @@ struct MergingParams {
 struct PlaceRefinementParams {
   static constexpr const char* kTitle = "Refinement of the best places by all depth pixels";
   bool enabled = true;
-  int places = 12;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("enabled", p.enabled, false, true, "Refine the poses of the best places by all depth pixels.");
-    visit("places", p.places, 1, 100000, "Maximum number of places that are refined.");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -293,7 +293,7 @@ Localization Localizer::Impl::localizeNear(const View& view, const PoseWithCovar
   requirePart(T_w_c, part);
   PlaceBelief near(map, localization_params, params);
   near.setNumberOfThreads(threads);
-  near.inject(part, T_w_c, params.most_log_odds);
+  near.inject(part, T_w_c, kMostLogOdds);
   const Localization found = localization.localize(view, std::function<bool(int)>());
   near.look(std::make_shared<const View>(view), &found);
   Localization out;
@@ -461,7 +461,7 @@ void Localizer::reset() { impl_->reset(); }
 void Localizer::setPose(const PoseWithCovariance& T_w_c, int part) {
   impl_->requirePart(T_w_c, part);
   impl_->reset();
-  impl_->belief.inject(part, T_w_c, impl_->params.most_log_odds);
+  impl_->belief.inject(part, T_w_c, kMostLogOdds);
 }
 void Localizer::setNumberOfThreads(int n) {
   impl_->threads = n;

@@ -26,6 +26,8 @@ constexpr double kHopeless = 1e-5;    // probability in a search
 constexpr double kMostOfOneLook = 5;  // that one look adds or takes away [nats]
 constexpr double kLeast = 1e-3;       // [m, rad]
 constexpr std::size_t kMostChains = 4;
+// Latest looks that judge a new place: older ones are too uncertain.
+constexpr std::size_t kKeptLooks = 6;
 constexpr PoseRadius kSharpMotion{0.15, 3};
 constexpr double kMostDoubt = 4;       // that a motion can raise: one of fifty is wrong [nats]
 constexpr double kAlike = 1;           // difference of observations that count as equal [nats]
@@ -322,7 +324,7 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
   PoseWithCovariance here;
   here.P = kLeast * kLeast * Matrix6d::Identity();
   kept_.push_back({std::move(view), {{here, 1}}, independence, best});
-  while (static_cast<int>(kept_.size()) > params_.kept_looks) kept_.pop_front();
+  while (kept_.size() > kKeptLooks) kept_.pop_front();
   normalize();
   return of_best;
 }
@@ -415,7 +417,7 @@ void PlaceBelief::normalize() {
   std::stable_sort(places_.begin(), places_.end(),
                    [](const BelievedPlace& a, const BelievedPlace& b) { return a.log_odds > b.log_odds; });
   std::vector<BelievedPlace> kept;
-  const double beyond = places_.empty() ? 0 : std::max(0.0, places_.front().log_odds - params_.most_log_odds);
+  const double beyond = places_.empty() ? 0 : std::max(0.0, places_.front().log_odds - kMostLogOdds);
   for (BelievedPlace& place : places_) {
     place.log_odds -= beyond;
     if (place.log_odds < std::log(kForgotten)) continue;

@@ -16,6 +16,9 @@
 
 namespace facetloc::internal {
 
+/** \brief Largest log odds that any number of views add up to [nats]: the camera may be moved meanwhile. */
+constexpr double kMostLogOdds = 7;
+
 /** \brief A place where a camera may be. */
 struct BelievedPlace {
   PoseWithCovariance T_w_c;

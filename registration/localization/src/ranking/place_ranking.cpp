@@ -11,6 +11,8 @@
 namespace facetloc::internal {
 namespace {
 
+constexpr int kEvidenceModels = 5;  // nearest ones that give evidence of a place: more see the same pixels
+
 // Mean score of wrong places for the map's own views; with few views, drawn towards the usual.
 double meanAmbiguity(const ProbabilityCalibration& params, const std::optional<MapAmbiguity>& ambiguity) {
   const MapAmbiguity found = ambiguity.value_or(MapAmbiguity());
@@ -46,7 +48,7 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
 double PlaceRanking::aliasScoreOf(const Hypothesis& place, double share_of_place) const {
   const double of_map = meanAmbiguity(params_.calibration.probability, map_->ambiguity);
   std::optional<double> of_place;
-  for (const int i : near_.bySight(place.part, *place.T_w_c, kEvidenceReach, params_.evidence.models))
+  for (const int i : near_.bySight(place.part, *place.T_w_c, kEvidenceReach, kEvidenceModels))
     if (const auto& score = map_->models[i].alias_score)
       of_place =
           std::max({*score, of_place.value_or(*score), params_.calibration.probability.least_null_score});
@@ -75,7 +77,7 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
   Hypothesis h;
   h.part = part;
   h.T_w_c = T_w_c.T;
-  const std::vector<int> models = near_.bySight(part, T_w_c.T, kEvidenceReach, params_.evidence.models);
+  const std::vector<int> models = near_.bySight(part, T_w_c.T, kEvidenceReach, kEvidenceModels);
   if (models.empty()) return {};
   LocalMap surroundings;
   std::vector<NearbyView> around;
@@ -104,7 +106,7 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
 
 std::vector<NearbyView> PlaceRanking::neighbours(const Hypothesis& h) const {
   std::vector<NearbyView> found;
-  for (const int i : near_.bySight(h.part, *h.T_w_c, kEvidenceReach, params_.evidence.models))
+  for (const int i : near_.bySight(h.part, *h.T_w_c, kEvidenceReach, kEvidenceModels))
     found.push_back({map_->view(i), *map_->models[i].T_w_m});
   return found;
 }

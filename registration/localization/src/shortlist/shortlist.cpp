@@ -12,6 +12,8 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::lowest();  // score
+constexpr double kStartRotationDeg = 3;  // heading error of a coarse alignment, standard deviation
+constexpr int kFirstOverlays = 3;        // likeliest models that are first registered about their overlays
 constexpr double kTiltOfPlanes = 2 * kDegree;  // deviation between planes and the gravity of models
 
 /** The segments of a view in other axes. */
@@ -41,7 +43,7 @@ Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationPar
       gravity_(std::make_shared<const MapGravity>(*map_)) {
   const ShortlistParams& shortlist = params.shortlist;
   start_.translation_std = shortlist.start_translation;
-  start_.rotation_std_deg = shortlist.start_rotation_deg;
+  start_.rotation_std_deg = kStartRotationDeg;
   const std::optional<CameraMounting>& mounting = map_->camera.mounting;
   PoseWithCovariance usual;
   usual.P = posePrior(mounting, params.prior);
@@ -208,7 +210,7 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
   };
   std::vector<NextBatch> batches;
   // Level overlays are so few that their results have no runners-up that would reveal a wrong match.
-  if (!is_level) batches.push_back(asItIs(byModel(batchOf(0, p.overlaid_first, true))));
+  if (!is_level) batches.push_back(asItIs(byModel(batchOf(0, kFirstOverlays, true))));
   batches.push_back(asItIs(byModel(batchOf(0, p.first_models, false))));
   Batch others = batchOf(p.first_models, p.overlaid_size, true);
   if (!others.empty())

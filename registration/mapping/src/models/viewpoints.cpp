@@ -19,6 +19,7 @@ using Stage = MapProgress::Stage;
 
 constexpr double kStepsPerSpacing = 2;  // candidates per spacing
 constexpr double kBeside = 3;           // how far from a scan of a part of a room a camera may be [m]
+constexpr double kKnownShare = 0.3;     // share of a view with a surface in range: less matches by chance
 constexpr double kSlackDeg = 1e-6;      // neighbouring headings are just as far apart as the rule says
 
 /** The camera in about 24 columns. */
@@ -49,7 +50,7 @@ public:
       all[i] = viewAt(positions[i / headings / tilts], yaw, search_.tilts_deg[i / headings % tilts]);
     });
     for (SmallView& view : all)
-      if (knownShare(view) >= params_.known) views_.push_back(std::move(view));
+      if (knownShare(view) >= kKnownShare) views_.push_back(std::move(view));
   }
 
   /** For each view the others that it may stand for. */

@@ -23,6 +23,7 @@ using namespace internal;
 namespace {
 
 constexpr ViewReach kKnownReach{1, 30 * kDegree};  // reach of local models that make a place known [m]
+constexpr double kKnownShare = 0.8;     // confirmed share of the pixels of an image of a known place
 constexpr int kLooks = 2;               // places that must look through a surface before it counts as gone
 constexpr std::size_t kMostLooks = 16;  // nearest images that one local model is judged by
 constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
@@ -185,11 +186,11 @@ public:
   void add() {
     for (std::size_t i = 0; i < session_.size(); ++i) {
       if (used_[i] || session_[i].view->segments.empty()) continue;
-      if (isKnown(session_[i], {}, params_.known_share)) continue;
+      if (isKnown(session_[i], {}, kKnownShare)) continue;
       if (const auto beside = modelBeside(session_[i].T_w_c)) {
         const bool is_old = *beside < fresh_.size() && !fresh_[*beside];
         if (is_old && !isKnown(session_[i], {}, 1 - params_.changed_share) &&
-            isKnown(session_[i], otherLooks(i), params_.known_share))
+            isKnown(session_[i], otherLooks(i), kKnownShare))
           replace(*beside, i);
         continue;
       }

@@ -16,6 +16,8 @@ namespace {
 
 using Source = KeyframeMotion::Source;
 
+constexpr int kNeighbours = 12;  // nearest earlier keyframes that one is compared with, a limit of time
+constexpr double kReach = 1.5;  // between keyframes that are compared: farther, too few pixels are shared [m]
 constexpr double kReachAngle = 45 * kDegree;  // between the viewing directions of keyframes that are compared
 // Standard deviations of a relative pose, beyond which a lone loop is not believed [m, rad].
 constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
@@ -99,7 +101,7 @@ struct LoopSearch::Pair {
 
 // The nearest earlier keyframes, and those that may be as near by an uncertain trajectory.
 std::vector<LoopSearch::Pair> LoopSearch::pairsOf(int b, const GraphCovariance& known) const {
-  const ViewReach reach{params_.reach, kReachAngle};
+  const ViewReach reach{kReach, kReachAngle};
   const auto T_b = known.relativeTo(b);
   std::vector<std::pair<double, Pair>> certain, uncertain;
   for (int a = 0; a < b; ++a) {
@@ -110,7 +112,7 @@ std::vector<LoopSearch::Pair> LoopSearch::pairsOf(int b, const GraphCovariance& 
       const double distance = viewDistance(Eigen::Isometry3d::Identity(), T.T, reach);
       if (std::isfinite(distance)) certain.push_back({distance, {a, T, true, {}}});
     } else if (b - a > kLocal && std <= kUncertainStd && largestRotationStd(T.P) <= kUncertainRotation) {
-      const double beyond = std::max(0.0, T.T.translation().norm() - params_.reach) / std;
+      const double beyond = std::max(0.0, T.T.translation().norm() - kReach) / std;
       if (beyond < 3) uncertain.push_back({beyond, {a, T, false, {}}});
     }
   }
@@ -120,7 +122,7 @@ std::vector<LoopSearch::Pair> LoopSearch::pairsOf(int b, const GraphCovariance& 
                      [](const auto& x, const auto& y) { return x.first < y.first; });
     for (int i = 0; i < std::min<int>(most, pairs.size()); ++i) out.push_back(std::move(pairs[i].second));
   };
-  takeNearest(certain, params_.neighbours);
+  takeNearest(certain, kNeighbours);
   takeNearest(uncertain, kMostUncertain);
   return out;
 }

@@ -16,8 +16,6 @@ struct SplitParams {
   static constexpr const char* kTitle = "Split of a depth image into flat parts";
   SplitMethod method = SplitMethod::quadtree;
   double tolerance = 7.0;
-  double min_fill = 0.5;
-  double min_fill_pixels = 20;
   double min_area = 2;
   int max_vertices = 20000;
 
@@ -31,10 +29,6 @@ struct SplitParams {
         "tolerance", p.tolerance, 1.0, 1e3,
         "Largest deviation of a pixel from the plane of its triangle [noise standard deviations]; 6 to 8 do "
         "well, more for a camera whose noise is smooth over many pixels.");
-    visit("min_fill", p.min_fill, 0.0, 1.0,
-          "Share of measured pixels below which a triangle or a square is refined or left out.");
-    visit("min_fill_pixels", p.min_fill_pixels, 1.0, 1e6,
-          "Area from which a poorly filled triangle is refined [px at 320x240, scaled with the image area].");
     visit("min_area", p.min_area, 0.0, 1e6,
           "Area up to which a triangle is not refined [px at 320x240, scaled with the image area].");
     visit("max_vertices", p.max_vertices, 4, 1000000,

@@ -11,6 +11,8 @@
 
 namespace facetloc {
 
+constexpr double kSwayLength = 5;  ///< period of a swaying heading along the line that is driven [m]
+
 /** \brief How a robot with a camera drives, and when it takes an image. */
 struct DriveParams {
   static constexpr const char* kTitle = "Drive of the robot";
@@ -19,7 +21,6 @@ struct DriveParams {
   double step = 0.5;
   double turn_deg = 5;
   double sway_deg = 0;
-  double sway_length = 5;
   double clearance = 0.5;
   RobotParams robot;
 
@@ -32,7 +33,6 @@ struct DriveParams {
     visit("step", p.step, 0.01, 10.0, "Distance of the robot between images [m].");
     visit("turn_deg", p.turn_deg, 0.1, 180.0, "Turn of the robot between images [deg].");
     visit("sway_deg", p.sway_deg, 0.0, 90.0, "Amplitude of the heading about the line that is driven [deg].");
-    visit("sway_length", p.sway_length, 0.1, 1000.0, "Period of the swaying heading along the line [m].");
     visit("clearance", p.clearance, 0.0, 10.0,
           "Distance that the robot keeps from walls and boxes of a room [m].");
     visit("robot", p.robot);

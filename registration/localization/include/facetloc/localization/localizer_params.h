@@ -12,8 +12,6 @@ struct LocalizerParams {
   double look_distance = 0.15;
   double look_rotation_deg = 5;
   int max_places = 12;
-  int kept_looks = 6;
-  double most_log_odds = 7;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -23,10 +21,6 @@ struct LocalizerParams {
     visit("look_rotation_deg", p.look_rotation_deg, 0.0, 180.0,
           "Rotation after which a view is localized in the map again [deg].", kForUsers);
     visit("max_places", p.max_places, 1, 1000, "Number of possible places of the camera that are kept.");
-    visit("kept_looks", p.kept_looks, 0, 1000,
-          "Number of latest views that a newly found place is compared with.");
-    visit("most_log_odds", p.most_log_odds, 0.1, 100.0,
-          "Maximum log odds of any number of views [nats]; a smaller one forgets faster.");
   }
   void validate() const { checkRanges(*this); }
 };

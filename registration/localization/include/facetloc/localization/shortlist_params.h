@@ -17,8 +17,6 @@ struct ShortlistParams {
   int first_models = 10;
   double sure_probability = 0.95;
   double start_translation = 0.2;
-  double start_rotation_deg = 3;
-  int overlaid_first = 3;
   int overlaid_size = 200;
 
   template <class Self, class Visitor>
@@ -45,11 +43,6 @@ struct ShortlistParams {
           "Stop after the first batch if its best place has at least this probability.");
     visit("start_translation", p.start_translation, 0.0, 100.0,
           "Position error of a coarse alignment, standard deviation [m]; 0 searches about the prior.");
-    visit("start_rotation_deg", p.start_rotation_deg, 0.01, 180.0,
-          "Heading error of a coarse alignment, standard deviation [deg].");
-    visit("overlaid_first", p.overlaid_first, 1, 100000000,
-          "With an unknown mounting: number of likeliest local models that are first registered about their "
-          "coarse alignments.");
     visit("overlaid_size", p.overlaid_size, 1, 100000000,
           "With an unknown mounting: maximum number of local models that a view is registered with.",
           kForUsers);

@@ -18,15 +18,12 @@ namespace facetloc {
 struct MapSessionParams {
   static constexpr const char* kTitle = "A later session in a map";
   int min_agreeing = 3;
-  double known_share = 0.8;
   double changed_share = 0.3;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("min_agreeing", p.min_agreeing, 1, 1000,
           "Minimum number of sure images that agree on the place of a session in the map.", kForUsers);
-    visit("known_share", p.known_share, 0.0, 1.0,
-          "Share of depth pixels confirmed by local models below which an image becomes a local model.");
     visit("changed_share", p.changed_share, 0.0, 1.0,
           "Share of gone depth pixels above which a local model is replaced as a whole.", kForUsers);
   }

@@ -11,16 +11,11 @@ struct MappingParams {
   static constexpr const char* kTitle = "Trajectory of a camera by its images";
   ViewOdometryParams odometry;
   OdometryError odometry_error;
-  double reach = 1.5;
-  int neighbours = 12;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
     visit("odometry", p.odometry);
     visit("odometry_error", p.odometry_error);
-    visit("reach", p.reach, 0.01, 100.0, "Maximum distance of two keyframes that are compared [m].");
-    visit("neighbours", p.neighbours, 1, 1000,
-          "Number of nearest earlier keyframes that each keyframe is compared with.");
   }
   void validate() const { checkRanges(*this); }
 };

@@ -22,7 +22,6 @@ struct ModelMapParams {
   double turn_deg = 20;
   double overlap = 0.7;
   double clearance = 0.25;
-  double known = 0.3;
   int most_models = 3000;
   double surface_std = 0;
 
@@ -36,7 +35,6 @@ struct ModelMapParams {
           "Minimum share of the surface in a camera's view that a local model shows.");
     visit("clearance", p.clearance, 0.0, 10.0, "Distance that cameras keep from all surfaces [m].",
           kForUsers);
-    visit("known", p.known, 0.0, 1.0, "Minimum share of an image in which the surface is known.");
     visit("most_models", p.most_models, 1, 1000000,
           "Maximum number of local models; overlap is reduced until it holds.", kForUsers);
     visit(
