@@ -15,10 +15,11 @@ import csv
 import fnmatch
 import math
 import pathlib
-import re
 import statistics
 import subprocess
 import sys
+
+import check_parameters
 
 ELLIPSOID = 12.5916  # 95 % quantile of chi-square with 6 degrees of freedom
 SURE = 0.9           # probability from which an answer is sure, unless the map is calibrated
@@ -113,16 +114,7 @@ def ratios(folder):
 
 
 def parameters(root):
-    """Fields that a describe() visits with a range; the fitted constants of calibration.h are no parameters."""
-    field = re.compile(r'\bvisit\(\s*"[\w.]+",\s*[^,()]+,')
-    files = subprocess.run(["git", "ls-files", "*.h", "*.hpp", "*.cpp", ":!test"], cwd=root, text=True, capture_output=True,
-                           check=True).stdout.split()
-    count = 0
-    for name in files:
-        path = pathlib.Path(root) / name
-        if path.name != "calibration.h" and path.exists():
-            count += len(field.findall(re.sub(r"^ \*.*$", "", path.read_text(), flags=re.M)))
-    print(count)
+    print(len(check_parameters.parameters(pathlib.Path(root))))
 
 
 class Row:

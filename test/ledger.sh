@@ -50,7 +50,7 @@ apps=$build/apps every=1
 . "$root/test/benchmark/stages.sh"
 exec 3>&1  # the terminal, where the output of a step is a file
 
-ledger() { python3 "$root/test/ledger.py" "$@"; }
+ledger() { PYTHONDONTWRITEBYTECODE=1 python3 "$root/test/ledger.py" "$@"; }
 figure() { printf '%s\t%s\n' "$1" "$2"; }
 one=(--threads 1)
 
