@@ -5,7 +5,7 @@
 #include <facetloc/localization/sure_calibration.h>
 #include <facetloc/mapping/densified_map.h>
 #include <facetloc/mapping/map_making.h>
-#include <facetloc/mapping/map_merging.h>
+#include <facetloc/mapping/map_session.h>
 #include <facetloc/mapping/own_views.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>

@@ -4,7 +4,7 @@
 
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/mapping/map_merging.h>
+#include <facetloc/mapping/map_session.h>
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>
 #include <facetloc/segmentation/view_builder.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/mounting_check.h"
 
-#include <facetloc/mapping/found_mounting.h>
+#include <facetloc/mapping/map_findings.h>
 #include <facetloc/testing/changed_views.h>
 
 #include <gmock/gmock.h>

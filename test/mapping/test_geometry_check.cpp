@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/pose.h>
-#include <facetloc/mapping/geometry_check.h>
+#include <facetloc/mapping/map_findings.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/testing/synthetic_views.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/so3.h>
-#include <facetloc/mapping/map_grid.h>
+#include <facetloc/mapping/floor_plan.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
 

@@ -3,7 +3,7 @@
 
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/mesh_surface.h>
-#include <facetloc/mapping/surface_orientation.h>
+#include <facetloc/mapping/surface.h>
 #include <facetloc/simulation/simulated_model.h>
 #include <facetloc/simulation/simulated_place.h>
 

@@ -7,7 +7,7 @@
 
 #include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_builder.h>
-#include <facetloc/mapping/mapping_params.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 #include <ostream>
 #include <string>

@@ -21,7 +21,7 @@
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/output_lock.h>
-#include <facetloc/mapping/map_merging.h>
+#include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
 #include <cmath>

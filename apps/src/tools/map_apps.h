@@ -8,7 +8,7 @@
 #include "tools/image_trajectory.h"
 
 #include <facetloc/io/map_database.h>
-#include <facetloc/mapping/map_grid.h>
+#include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/map_making.h>
 
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/mapping/surface_orientation.h>
+#include <facetloc/mapping/surface.h>
 
 #include <Eigen/Geometry>
 

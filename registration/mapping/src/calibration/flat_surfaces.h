@@ -3,7 +3,7 @@
 
 #include <facetloc/features/camera.h>
 #include <facetloc/features/depth_image.h>
-#include <facetloc/mapping/geometry_check.h>
+#include <facetloc/mapping/map_findings.h>
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/camera.h>
 #include <facetloc/features/pose.h>
-#include <facetloc/mapping/found_mounting.h>
+#include <facetloc/mapping/map_findings.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/flat_surfaces.h"
 
-#include <facetloc/mapping/geometry_check.h>
+#include <facetloc/mapping/map_findings.h>
 
 #include <algorithm>
 #include <cmath>

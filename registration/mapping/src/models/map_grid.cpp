@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/mapping/map_grid.h>
+#include <facetloc/mapping/floor_plan.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "models/cube_view.h"
 #include "models/surface_samples.h"
 
-#include <facetloc/mapping/surface_orientation.h>
+#include <facetloc/mapping/surface.h>
 
 #include <Eigen/Eigenvalues>
 

@@ -5,7 +5,7 @@
 #include <facetloc/features/map_surfaces.h>
 #include <facetloc/features/rendered_views.h>
 #include <facetloc/features/sure_threshold.h>
-#include <facetloc/mapping/map_merging.h>
+#include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
 #include <fmt/format.h>

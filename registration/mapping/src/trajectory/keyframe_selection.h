@@ -5,7 +5,7 @@
 #include "trajectory/camera_speed.h"
 #include "trajectory/trajectory_graph.h"
 
-#include <facetloc/mapping/mapping_params.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 namespace facetloc::internal {
 

@@ -6,7 +6,7 @@
 #include "trajectory/chunked_work.h"
 #include "trajectory/trajectory_graph.h"
 
-#include <facetloc/mapping/mapping_params.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 namespace facetloc::internal {
 

@@ -3,7 +3,7 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/mapping/map_builder.h>
-#include <facetloc/mapping/mapping_params.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 #include <functional>
 #include <memory>

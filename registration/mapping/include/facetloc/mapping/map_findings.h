@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/camera.h>
 #include <facetloc/features/depth_distortion.h>
-#include <facetloc/mapping/found_mounting.h>
-#include <facetloc/mapping/geometry_check.h>
+#include <facetloc/features/depth_image.h>
+#include <facetloc/features/local_model.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 
 #include <cstddef>
@@ -12,9 +13,88 @@
 #include <vector>
 
 /** \file
- * Results of making a map, beside the map. */
+ * Results of making a map, beside the map, and the tests that they come from. */
 
 namespace facetloc {
+
+/** \brief How a camera is mounted on a robot, by the floor that its images show. */
+struct FoundMounting {
+  CameraMounting mounting;
+  int models = 0;      ///< local models that show the floor so
+  int all_models = 0;  ///< number of models examined
+
+  /** \brief "0.980 m above the floor, 10.0 deg down, by the floor in 140 of 160 local models". */
+  std::string toString() const;
+};
+
+/** \brief The floor as a camera sees it. */
+struct SeenFloor {
+  double height = 0;      ///< mean height of the camera above it [m]
+  double tilt_deg = 0;    ///< tilt of the optical axis below the horizon
+  double roll_deg = 0;    ///< about the optical axis: positive if the camera's right side is lower
+  double height_std = 0;  ///< over the views [m]
+  int views = 0;          ///< that show it so
+  int all_views = 0;      ///< number of views examined
+  bool steady = false;    ///< as under a robot; the floor below a camera in the hand comes and goes
+
+  /** \brief The mounting of a robot's camera that sees it so. A roll of less than 2 deg counts as none. */
+  CameraMounting mounting() const;
+};
+
+/** \brief Looks for the plane below the camera that most local models have in common. Nothing if fewer than
+ * 10, or than 30 %, show one. \param map of which segments are read */
+std::optional<SeenFloor> findFloor(const Map& map);
+
+/** \brief The mounting found by the floor, where it is the same in most local models although the camera
+ * has moved. Nothing for a camera in the hand, whose height and tilt spread, and where the camera has not
+ * moved by 2 m, or may not have. A roll of less than 2 deg counts as none. \param map of which
+ * segments and poses are read */
+std::optional<FoundMounting> findMounting(const Map& map);
+
+/** \brief Bend of surfaces that ought to be flat (mapping/METHOD 15.1). */
+struct SurfaceBend {
+  double ray_exponent = 0;      ///< depths as read are z times this power of the length of the ray (b_z = 1):
+                                ///< 0 for z, 1 for distances along the rays
+  double ray_exponent_std = 0;  ///< standard deviation, from the scatter over the images
+  double lens = 0;              ///< k1 of a radial lens whose distortion is left in the images
+  double lens_std = 0;
+  double residual_ratio = 1;  ///< sum of squared residuals without the bend, by that with it
+  double flat_share = 0;      ///< expected share of the image that the surface of a pixel covers
+};
+
+/** \brief Intrinsics by which most surfaces that are nearly perpendicular are exactly so (METHOD 15.2). */
+struct RightAngles {
+  std::size_t pairs = 0;                         ///< pairs of surfaces, each in one image
+  double share_as_given = 0, share_by_best = 0;  ///< weight of the pairs that are perpendicular
+  double fx = 1, fy = 1;                         ///< the best ones, by the given ones
+  double cx = 0, cy = 0;                         ///< the best ones minus the given ones [px]
+  double fx_std = 0, fy_std = 0, cx_std = 0, cy_std = 0;
+};
+
+/** \brief A reason to doubt how depth images are read. */
+struct ReadingFault {
+  std::string words;        ///< the finding and its remedy: a sentence without full stop
+  bool impossible = false;  ///< the images cannot be right as they are read
+};
+
+/** \brief Evidence in depth images alone of how they must be read. */
+struct GeometryCheck {
+  std::size_t images = 0, surfaces = 0;  ///< that were looked at
+  SurfaceBend bend;
+  std::optional<RightAngles> right_angles;  ///< nothing if there are too few pairs
+  std::vector<ReadingFault> faults;         ///< the clearest first
+
+  /** \brief The first fault that makes the images impossible; null if they are possible. */
+  const ReadingFault* impossible() const;
+};
+
+/** \brief Tests the largest flat surfaces of some images of one camera: whether they are flat as read, as
+ * distances along the rays, or behind a lens; and whether those that are about perpendicular are so with the
+ * intrinsics of the images, or with other ones.
+ *
+ * A plane stays a plane whatever fx, fy, cx and cy are; these show in the angles between planes only.
+ * \param images as they are worked on, valid, of one size; some dozen, from all over a recording */
+GeometryCheck checkGeometry(const std::vector<DepthImage>& images, const Camera& camera);
 
 /** \brief Differences between motions by poses and motions by images: medians. */
 struct PoseDisagreement {

@@ -5,7 +5,7 @@
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/map_findings.h>
 #include <facetloc/mapping/map_image.h>
-#include <facetloc/mapping/mapping_params.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <functional>

@@ -5,7 +5,6 @@
 #include <facetloc/features/params.h>
 #include <facetloc/mapping/map_image.h>
 #include <facetloc/mapping/surface.h>
-#include <facetloc/mapping/surface_orientation.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <cstddef>

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/mapping/mapping_params.h>
+#include <facetloc/registration/motion_params.h>
+#include <facetloc/registration/pose_prior.h>
 
 #include <functional>
 #include <memory>
@@ -11,6 +12,20 @@
 #include <vector>
 
 namespace facetloc {
+
+/** \brief How the trajectory of a camera is found from its images alone, and its way back to known places. */
+struct MappingParams {
+  static constexpr const char* kTitle = "Trajectory of a camera by its images";
+  ViewOdometryParams odometry;
+  OdometryError odometry_error;
+
+  template <class Self, class Visitor>
+  static void describe(Self& p, Visitor&& visit) {
+    visit("odometry", p.odometry);
+    visit("odometry_error", p.odometry_error);
+  }
+  void validate() const { checkRanges(*this); }
+};
 
 /** \brief An image on a trajectory. */
 struct TrajectoryPose {
