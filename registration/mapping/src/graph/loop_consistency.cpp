@@ -31,6 +31,16 @@ Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& fro
 
 }  // namespace
 
+int independentTies(const std::vector<std::pair<int, int>>& ties, const NodesApart& apart) {
+  std::vector<std::pair<int, int>> kept;
+  for (const auto& tie : ties)
+    if (std::all_of(kept.begin(), kept.end(), [&](const std::pair<int, int>& other) {
+          return apart(tie.first, other.first) && apart(tie.second, other.second);
+        }))
+      kept.push_back(tie);
+  return static_cast<int>(kept.size());
+}
+
 std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph, int least,
                                   const NodesApart& apart) {
   RelativePoses from;

@@ -2,11 +2,20 @@
 #pragma once
 
 #include "graph/graph_covariance.h"
-#include "graph/independent_ties.h"
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 namespace facetloc::internal {
+
+/** \brief True for two nodes that see different things. */
+using NodesApart = std::function<bool(int, int)>;
+
+/** \brief Size of the set of ties that a greedy search finds in which each two are apart at both ends: ties
+ * that share a view, or were seen from next to the same place, are one witness. \param ties numbers of the
+ * nodes at their ends */
+int independentTies(const std::vector<std::pair<int, int>>& ties, const NodesApart& apart);
 
 /** \brief Which of some uncertain loops confirm each other: going there by one and back by another must lead
  * to where one was, along the paths of the graph between their ends (pairwise consistency after Mangelson et
