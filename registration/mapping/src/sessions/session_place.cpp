@@ -32,10 +32,10 @@ constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
 // Tolerance for two images that agree on a place, beyond the trajectory's errors.
 constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kDegree* kSameAnswer.angle_deg};
 
-/** The sure answers of all keyframes. */
+/** The sure answers of all keyframes, none of which has a place yet. */
 std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
                                          const CameraTrajectory& trajectory, int threads,
-                                         const MapProgressCallback& progress) {
+                                         const MapProgressCallback& progress, SessionPlace& place) {
   const std::size_t n = trajectory.keyframes.size();
   std::vector<std::optional<PoseWithCovariance>> T_w_c(n);
   ParallelStage(MapProgress::Stage::place, n, threads, progress).run([&](std::size_t k) {
@@ -52,14 +52,11 @@ std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
   std::vector<FoundKeyframe> found;
   for (std::size_t k = 0; k < n; ++k)
     if (T_w_c[k]) found.push_back({static_cast<int>(k), *T_w_c[k]});
+  place.asked = n;
+  place.sure = found.size();
+  place.T_w_k.resize(n);
+  place.confirmed.assign(n, false);
   return found;
-}
-
-/** Graph of its keyframes alone: the floor of the map is not the floor of the session's world. */
-PoseGraph graphOf(const CameraTrajectory& trajectory) {
-  std::vector<Eigen::Isometry3d> T_w_k;
-  for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);
-  return keyframeGraph(T_w_k, trajectory.motions, {}, MappingParams().odometry.key_distance);
 }
 
 /** The parts of a graph without the edges that its poses contradict. */
@@ -75,13 +72,10 @@ bool isCertain(const Matrix6d& P) {
   return largestRotationStd(P) <= kCertainRotation && largestTranslationStd(P) <= kCertainTranslation;
 }
 
-std::vector<FoundKeyframe> without(const std::vector<FoundKeyframe>& found,
-                                   const std::vector<FoundKeyframe>& set) {
+template <class Predicate>
+std::vector<FoundKeyframe> those(const std::vector<FoundKeyframe>& found, const Predicate& predicate) {
   std::vector<FoundKeyframe> out;
-  std::copy_if(found.begin(), found.end(), std::back_inserter(out), [&](const FoundKeyframe& f) {
-    return std::none_of(set.begin(), set.end(),
-                        [&](const FoundKeyframe& other) { return other.keyframe == f.keyframe; });
-  });
+  std::copy_if(found.begin(), found.end(), std::back_inserter(out), predicate);
   return out;
 }
 
@@ -103,14 +97,6 @@ Eigen::Isometry3d middlePlace(const std::vector<FoundKeyframe>& set, const std::
   });
 }
 
-std::vector<FoundKeyframe> ofPart(const std::vector<FoundKeyframe>& found, const CameraTrajectory& trajectory,
-                                  int part) {
-  std::vector<FoundKeyframe> out;
-  std::copy_if(found.begin(), found.end(), std::back_inserter(out),
-               [&](const FoundKeyframe& f) { return trajectory.keyframes[f.keyframe].part == part; });
-  return out;
-}
-
 }  // namespace
 
 std::string SessionPlace::toString() const {
@@ -123,14 +109,11 @@ SessionPlace internal::placeInMap(const GlobalLocalization& localization, const 
                                   const MapProgressCallback& progress) {
   params.validate();
   SessionPlace place;
-  place.asked = trajectory.keyframes.size();
-  place.T_w_k.resize(trajectory.keyframes.size());
-  place.confirmed.assign(trajectory.keyframes.size(), false);
-  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress);
-  place.sure = found.size();
+  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress, place);
   if (found.empty()) return place;
 
-  const PoseGraph of_session = graphOf(trajectory);
+  // Its keyframes alone: the floor of the map is not the floor of the session's world.
+  const PoseGraph of_session = keyframeGraph(trajectory, {});
   const GraphCovariance known(of_session, threads);
   std::map<int, std::vector<std::optional<PoseWithCovariance>>> from;
   const RelativePose relative = [&](int a, int b) {
@@ -148,7 +131,8 @@ SessionPlace internal::placeInMap(const GlobalLocalization& localization, const 
   }
   const auto least = static_cast<std::size_t>(params.min_agreeing);
   for (const int part : trajectory.parts()) {
-    std::vector<FoundKeyframe> left = ofPart(found, trajectory, part);
+    std::vector<FoundKeyframe> left =
+        those(found, [&](const FoundKeyframe& f) { return trajectory.keyframes[f.keyframe].part == part; });
     const std::vector<FoundKeyframe> main = consensusAlignment(left, relative, kTolerance, least);
     if (main.empty()) continue;
     place.agreeing += main.size();
@@ -159,7 +143,10 @@ SessionPlace internal::placeInMap(const GlobalLocalization& localization, const 
     for (std::vector<FoundKeyframe> set = main; !set.empty();
          set = consensusAlignment(left, relative, kTolerance, least)) {
       for (const FoundKeyframe& f : set) graph.edges.push_back({0, f.keyframe + 1, f.T_w_c, true});
-      left = without(left, set);
+      left = those(left, [&set](const FoundKeyframe& f) {
+        return std::none_of(set.begin(), set.end(),
+                            [&](const FoundKeyframe& other) { return other.keyframe == f.keyframe; });
+      });
     }
   }
   if (!place.found()) return place;
@@ -182,11 +169,7 @@ SessionPlace internal::placeRigidly(const GlobalLocalization& localization,
                                     const MapProgressCallback& progress) {
   params.validate();
   SessionPlace place;
-  place.asked = trajectory.keyframes.size();
-  place.T_w_k.resize(trajectory.keyframes.size());
-  place.confirmed.assign(trajectory.keyframes.size(), false);
-  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress);
-  place.sure = found.size();
+  const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress, place);
   const MapBuilder builder(accuracy);
   const RelativePose relative = [&](int a, int b) {
     return builder.link(a, b, trajectory.keyframes[a].T_w_c.T, trajectory.keyframes[b].T_w_c.T).T_from_to;

@@ -31,4 +31,10 @@ PoseGraph keyframeGraph(const std::vector<Eigen::Isometry3d>& T_w_k,
   return graph;
 }
 
+PoseGraph keyframeGraph(const CameraTrajectory& trajectory, const std::optional<CameraMounting>& mounting) {
+  std::vector<Eigen::Isometry3d> T_w_k;
+  for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);
+  return keyframeGraph(T_w_k, trajectory.motions, mounting, MappingParams().odometry.key_distance);
+}
+
 }  // namespace facetloc::internal

@@ -15,5 +15,7 @@ namespace facetloc::internal {
 PoseGraph keyframeGraph(const std::vector<Eigen::Isometry3d>& T_w_k,
                         const std::vector<KeyframeMotion>& motions,
                         const std::optional<CameraMounting>& mounting, double key_distance);
+/** \brief The graph of a trajectory with the usual way between its keyframes. */
+PoseGraph keyframeGraph(const CameraTrajectory& trajectory, const std::optional<CameraMounting>& mounting);
 
 }  // namespace facetloc::internal

@@ -74,12 +74,8 @@ std::vector<Link> internal::linksBetween(const CameraTrajectory& trajectory,
                                          const std::vector<PlaceOnTrajectory>& places,
                                          const std::set<std::pair<int, int>>& pairs) {
   if (pairs.empty()) return {};
-  std::vector<Eigen::Isometry3d> T_w_k;
-  for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);
   const auto& camera = trajectory.keyframes.front().view->camera;
-  const GraphCovariance known(keyframeGraph(T_w_k, trajectory.motions,
-                                            camera ? camera->mounting : std::nullopt,
-                                            MappingParams().odometry.key_distance));
+  const GraphCovariance known(keyframeGraph(trajectory, camera ? camera->mounting : std::nullopt));
   std::vector<Link> links;
   for (const auto& [a, b] : pairs) {
     const PlaceOnTrajectory &from = places[a], &to = places[b];
