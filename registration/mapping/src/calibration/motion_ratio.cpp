@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/motion_ratio.h"
-
 #include "base/median.h"
+#include "calibration/pose_check.h"
 
 #include <facetloc/features/pose.h>
 

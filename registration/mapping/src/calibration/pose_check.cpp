@@ -2,7 +2,6 @@
 #include "calibration/pose_check.h"
 
 #include "base/median.h"
-#include "calibration/motion_ratio.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,22 +70,6 @@ struct Pair {
   Eigen::Isometry3d by_poses, by_images;
 };
 
-std::vector<Pair> pairsOf(const std::vector<SeenMotion>& motions, const PosesByTime& poses,
-                          const Reading& reading) {
-  std::vector<Pair> pairs;
-  for (const SeenMotion& motion : motions) {
-    const auto a = poses(motion.stamp_a + reading.delay), b = poses(motion.stamp_b + reading.delay);
-    if (a && b)
-      pairs.push_back({read(reading, *a).inverse() * read(reading, *b), read(reading.storing, motion.T_a_b)});
-  }
-  return pairs;
-}
-
-double medianOrInfinity(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::infinity();
-  return internal::median(values.begin(), values.end());
-}
-
 struct Error {
   double degrees, metres;
   double cost() const { return degrees / kDegrees + metres / kMetres; }
@@ -101,18 +84,11 @@ std::vector<Error> errorsOf(const std::vector<Pair>& pairs) {
   return errors;
 }
 
-template <class Value>
-double medianOf(const std::vector<Error>& errors, const Value& value) {
-  std::vector<double> values;
-  for (const Error& error : errors) values.push_back(value(error));
-  return medianOrInfinity(std::move(values));
-}
-
 PoseDisagreement disagreementOf(const std::vector<Pair>& pairs) {
   if (pairs.empty()) return {};
-  const std::vector<Error> errors = errorsOf(pairs);
-  return {medianOf(errors, [](const Error& e) { return e.degrees; }),
-          medianOf(errors, [](const Error& e) { return e.metres; }), pairs.size()};
+  std::vector<double> degrees, metres;
+  for (const Error& e : errorsOf(pairs)) degrees.push_back(e.degrees), metres.push_back(e.metres);
+  return {median(std::move(degrees)), median(std::move(metres)), pairs.size()};
 }
 
 /** The remaining disagreement under one interpretation of the poses. */
@@ -122,15 +98,23 @@ public:
       : motions_(motions), poses_(poses) {}
 
   double cost(const Reading& reading) const {
-    const std::vector<Pair> pairs = pairsOf(motions_, poses_, reading);
-    if (pairs.size() < std::max(kEnough, motions_.size() / 2)) return std::numeric_limits<double>::infinity();
+    const std::vector<Pair> found = pairs(reading);
+    if (found.size() < std::max(kEnough, motions_.size() / 2)) return std::numeric_limits<double>::infinity();
     std::vector<double> costs;
-    for (const Error& error : errorsOf(pairs)) costs.push_back(error.cost());
+    for (const Error& error : errorsOf(found)) costs.push_back(error.cost());
     std::sort(costs.begin(), costs.end());
     costs.resize(costs.size() - costs.size() / 4);  // motions that were not seen right
     return std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(costs.size());
   }
-  std::vector<Pair> pairs(const Reading& reading) const { return pairsOf(motions_, poses_, reading); }
+  std::vector<Pair> pairs(const Reading& reading) const {
+    std::vector<Pair> out;
+    for (const SeenMotion& motion : motions_) {
+      const auto a = poses_(motion.stamp_a + reading.delay), b = poses_(motion.stamp_b + reading.delay);
+      if (a && b)
+        out.push_back({read(reading, *a).inverse() * read(reading, *b), read(reading.storing, motion.T_a_b)});
+    }
+    return out;
+  }
 
   Reading bestConvention() const {
     Reading best;
@@ -172,7 +156,7 @@ public:
       if (const double n = p.by_poses.translation().norm(); n > 0)
         ratios.push_back(p.by_images.translation().norm() / n);
     Reading scaled = reading;
-    if (!ratios.empty()) scaled.scale *= medianOrInfinity(std::move(ratios));
+    if (!ratios.empty()) scaled.scale *= median(std::move(ratios));
     return cost(scaled) < kBetter * cost(reading) ? scaled : reading;
   }
 
@@ -206,20 +190,16 @@ std::string toString(const Reading& r) {
     faults.push_back(fmt::format("the images' motions are {:.3f} times as long: look at depth_scale of "
                                  "camera.ini and at the unit of the poses",
                                  r.scale));
-  std::string words;
-  for (const std::string& fault : faults) words += (words.empty() ? "" : "; ") + fault;
-  return words;
+  return fmt::format("{}", fmt::join(faults, "; "));
 }
 
 /** "wxyz,inverse": the words of PoseReading. */
 std::string conventionOf(const Reading& r) {
-  std::string words;
-  const auto add = [&words](bool is_so, const char* word) {
-    if (is_so) words += (words.empty() ? "" : ",") + std::string(word);
-  };
-  add(r.w_first, "wxyz"), add(r.inverse, "inverse");
-  add(r.axes == Axes::body, "base"), add(r.axes == Axes::opengl, "opengl");
-  return words;
+  std::vector<const char*> words;
+  if (r.w_first) words.push_back("wxyz");
+  if (r.inverse) words.push_back("inverse");
+  if (r.axes != Axes::optical) words.push_back(r.axes == Axes::body ? "base" : "opengl");
+  return fmt::format("{}", fmt::join(words, ","));
 }
 
 constexpr double kWorthAWord =

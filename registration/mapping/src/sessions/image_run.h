@@ -51,6 +51,9 @@ struct ImageRun {
   /** \brief The trajectory of all images; those that cannot be read are where they are between the others.
    * Fills in findings. */
   CameraTrajectory findTrajectory(const MappingParams& params, MapFindings& findings) const;
+  /** \brief Rotates each part of the trajectory so that the z axis of its world points upwards, by the
+   * gravity that was measured with its images; parts without any stay. */
+  void level(CameraTrajectory& trajectory) const;
 
   /** \brief How the camera moved at some places of the run, by its images alone: pairs of images, of which
    * one is registered with the other and the answer is sure. Images that cannot be read are left out. */

@@ -2,7 +2,6 @@
 #include "calibration/distortion_calibration.h"
 #include "sessions/image_run.h"
 #include "sessions/map_in_memory.h"
-#include "trajectory/levelled_trajectory.h"
 #include "trajectory/trajectory_links.h"
 
 #include <facetloc/mapping/map_making.h>
@@ -180,8 +179,7 @@ void MapMaking::findTrajectory() {
   for (const bool again : {false, true}) {
     CameraTrajectory found = m.run.findTrajectory(m.params.trajectory, m.findings);
     if (m.findings.noneRead(m.run.images.size())) return;
-    if (!m.run.camera.mounting)  // else its world is the robot's
-      levelTrajectory([&m](std::size_t i) { return m.run.images[i].gravity; }, found);
+    if (!m.run.camera.mounting) m.run.level(found);  // else its world is the robot's
     m.parts = found.parts();
     m.findings.trajectory = std::move(found);
     m.calibrated = false;
