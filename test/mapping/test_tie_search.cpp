@@ -18,6 +18,13 @@ Eigen::Isometry3d robotCamera(double x, double y, double heading) {
   return Eigen::Translation3d(x, y, 0) * Eigen::Isometry3d(expSO3({0, 0, heading})) * kMounting.T_b_c();
 }
 
+TrajectoryNode keyframe(const View& view, int part, int run) {
+  TrajectoryNode node;
+  node.view = std::make_shared<const View>(view);
+  node.part = part, node.run = run;
+  return node;
+}
+
 /** Two rounds of a robot in a room, as two parts that nothing ties: view i of the second one is taken near
  * view i of the first one. */
 class TwoRounds : public testing::Test {
@@ -25,13 +32,13 @@ protected:
   static constexpr int kViews = 48;
 
   static void SetUpTestSuite() {
-    keyframes_ = new std::vector<TieEnd>;
+    keyframes_ = new std::vector<TrajectoryNode>;
     for (int round = 0; round < 2; ++round)
       for (int i = 0; i < kViews; ++i) {
         const double heading = (i * 15 + 2 * round) * kDegree, x = i < kViews / 2 ? 2 : 3.8;
         const View view =
             test::viewFrom(test::largeRoom(), robotCamera(x + 0.05 * round, 2.4, heading), 100 * round + i);
-        keyframes_->push_back({std::make_shared<const View>(test::mounted(view, kMounting)), round, round});
+        keyframes_->push_back(keyframe(test::mounted(view, kMounting), round, round));
       }
   }
   static void TearDownTestSuite() {
@@ -40,7 +47,7 @@ protected:
   }
 
   static TieSearch search(long long exhaustive_up_to) {
-    TieSearch out{{Eigen::Isometry3d::Identity(), posePrior({})}, kMounting, 2};
+    TieSearch out{{Eigen::Isometry3d::Identity(), posePrior({})}, kMounting, {2}};
     out.exhaustive_up_to = exhaustive_up_to;
     return out;
   }
@@ -51,10 +58,10 @@ protected:
     return n;
   }
 
-  static std::vector<TieEnd>* keyframes_;
+  static std::vector<TrajectoryNode>* keyframes_;
 };
 
-std::vector<TieEnd>* TwoRounds::keyframes_ = nullptr;
+std::vector<TrajectoryNode>* TwoRounds::keyframes_ = nullptr;
 
 TEST_F(TwoRounds, ViewsOfOnePlaceArePaired) {
   const auto pairs = tieCandidates(*keyframes_, 0, search(1'000'000));
@@ -83,7 +90,7 @@ TEST_F(TwoRounds, OnlyTheLatestKeyframesAreSearchedForIfAsked) {
 TEST_F(TwoRounds, ProgressIsReportedOnTheWay) {
   TieSearch reporting = search(1'000'000);
   std::vector<double> reports;
-  reporting.progress = [&](double share) { reports.push_back(share); };
+  reporting.work.progress = [&](double share) { reports.push_back(share); };
   const auto pairs = tieCandidates(*keyframes_, 0, reporting);
   ASSERT_GE(reports.size(), 3u);  // at the begin, and after each chunk of keyframes
   EXPECT_TRUE(std::is_sorted(reports.begin(), reports.end()));
@@ -94,7 +101,7 @@ TEST_F(TwoRounds, ProgressIsReportedOnTheWay) {
 }
 
 TEST(TieSearch, OnePartHasNoTies) {
-  const std::vector<TieEnd> one(3, {std::make_shared<const View>(), 7, 0});
+  const std::vector<TrajectoryNode> one(3, keyframe({}, 7, 0));
   EXPECT_TRUE(tieCandidates(one, 0, TieSearch{}).empty());
   EXPECT_TRUE(tieCandidates({}, 0, TieSearch{}).empty());
 }

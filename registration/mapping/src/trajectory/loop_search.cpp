@@ -189,13 +189,10 @@ void LoopSearch::compareTies(const std::vector<std::pair<int, int>>& pairs, cons
 std::vector<KeyframeMotion> LoopSearch::betweenParts(const TrajectoryGraph& graph,
                                                      const GraphCovariance& known, int first,
                                                      const CameraSpeed& speed, const ChunkedWork& work) {
-  std::vector<TieEnd> ends;
-  for (const TrajectoryNode& node : graph.nodes())
-    ends.push_back({node.view, node.part, node.run, node.stamp, node.T_w_c.T.translation()});
-  const TieSearch search{anywhere({}), graph.mounting(), work.threads, work.section(0, 0.5).progress};
-  const std::vector<std::pair<int, int>> pairs = tieCandidates(ends, first, search);
+  const TieSearch search{anywhere({}), graph.mounting(), work.section(0, 0.5)};
+  const std::vector<std::pair<int, int>> pairs = tieCandidates(graph.nodes(), first, search);
   compareTies(pairs, graph, work.section(0.5, 1));
-  const TravelBound bound(ends, speed, known);
+  const TravelBound bound(graph.nodes(), speed, known);
   std::vector<PoseEdge> found;
   for (const auto& pair : pairs) {
     const auto& placed = ties_.at(pair);

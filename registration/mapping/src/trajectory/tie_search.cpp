@@ -2,7 +2,6 @@
 #include "trajectory/tie_search.h"
 
 #include "shortlist/plane_triplet_matcher.h"
-#include "trajectory/chunked_work.h"
 
 #include <facetloc/localization/place_index.h>
 
@@ -22,7 +21,7 @@ constexpr double kSigmas = 3;
  * similar ones by an index. */
 class EarlierKeyframes {
 public:
-  EarlierKeyframes(const std::vector<TieEnd>& keyframes, int first, const TieSearch& search)
+  EarlierKeyframes(const std::vector<TrajectoryNode>& keyframes, int first, const TieSearch& search)
       : keyframes_(keyframes) {
     const auto n = static_cast<long long>(keyframes.size());
     if (search.mounting && (n - first) * (n + first) / 2 > search.exhaustive_up_to)
@@ -47,18 +46,19 @@ private:
   void makeIndex(const CameraMounting& mounting) {
     Map map;
     map.camera.mounting = mounting;
-    for (const TieEnd& k : keyframes_) map.models.emplace_back().setView(k.view);
+    for (const TrajectoryNode& k : keyframes_) map.models.emplace_back().setView(k.view);
     ShortlistParams params;
     params.aligned_models = kIndexAligned;
     index_.emplace(map, params);
   }
 
-  const std::vector<TieEnd>& keyframes_;
+  const std::vector<TrajectoryNode>& keyframes_;
   std::optional<PlaceIndex> index_;
 };
 
-std::vector<int> mostSimilar(const std::vector<TieEnd>& keyframes, const std::vector<PlaneColumns>& planes,
-                             const EarlierKeyframes& earlier, int b, const PoseWithCovariance& prior) {
+std::vector<int> mostSimilar(const std::vector<TrajectoryNode>& keyframes,
+                             const std::vector<PlaneColumns>& planes, const EarlierKeyframes& earlier, int b,
+                             const PoseWithCovariance& prior) {
   const PlaneTripletMatcher overlay(*keyframes[b].view, prior);
   if (!overlay.isUseful()) return {};
   std::vector<std::pair<float, int>> similar;
@@ -75,15 +75,16 @@ std::vector<int> mostSimilar(const std::vector<TieEnd>& keyframes, const std::ve
 
 }  // namespace
 
-std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyframes, int first,
+std::vector<std::pair<int, int>> tieCandidates(const std::vector<TrajectoryNode>& keyframes, int first,
                                                const TieSearch& search) {
   const int n = static_cast<int>(keyframes.size());
   const int part = keyframes.empty() ? 0 : keyframes.front().part;
-  if (std::all_of(keyframes.begin(), keyframes.end(), [part](const TieEnd& k) { return k.part == part; }))
+  if (std::all_of(keyframes.begin(), keyframes.end(),
+                  [part](const TrajectoryNode& k) { return k.part == part; }))
     return {};
-  if (search.progress) search.progress(0);
+  if (search.work.progress) search.work.progress(0);
   std::vector<PlaneColumns> planes;
-  for (const TieEnd& k : keyframes) planes.emplace_back(*k.view);
+  for (const TrajectoryNode& k : keyframes) planes.emplace_back(*k.view);
   const EarlierKeyframes earlier(keyframes, first, search);
   std::vector<std::vector<int>> partners(n - first);
   const auto findPartners = [&](int i) {
@@ -95,14 +96,14 @@ std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyfra
     std::sort(of_b.begin(), of_b.end());
     of_b.erase(std::unique(of_b.begin(), of_b.end()), of_b.end());
   };
-  ChunkedWork{search.threads, search.progress}.forEach(n - first, findPartners);
+  search.work.forEach(n - first, findPartners);
   std::vector<std::pair<int, int>> pairs;
   for (int i = 0; i < n - first; ++i)
     for (const int a : partners[i]) pairs.emplace_back(a, first + i);
   return pairs;
 }
 
-TravelBound::TravelBound(const std::vector<TieEnd>& keyframes, const CameraSpeed& speed,
+TravelBound::TravelBound(const std::vector<TrajectoryNode>& keyframes, const CameraSpeed& speed,
                          const GraphCovariance& graph)
     : keyframes_(keyframes), speed_(speed), graph_(graph) {}
 
@@ -128,15 +129,16 @@ std::pair<int, int> TravelBound::nearestInTime(int part_a, int part_b) const {
 // Largest distance of the camera's motion between two keyframes: the known displacements of the parts in
 // between, and the distance that its speed allows from one to the next.
 double TravelBound::farthest(int first, int last) const {
+  const auto positionOf = [&](int k) { return keyframes_[k].T_w_c.T.translation(); };
   double sum = 0;
   int begin = first;
   for (int k = first + 1; k <= last; ++k) {
     if (keyframes_[k].part == keyframes_[k - 1].part) continue;
-    sum += (keyframes_[k - 1].position - keyframes_[begin].position).norm() +
+    sum += (positionOf(k - 1) - positionOf(begin)).norm() +
            speed_.farthest(keyframes_[k].stamp - keyframes_[k - 1].stamp);
     begin = k;
   }
-  return sum + (keyframes_[last].position - keyframes_[begin].position).norm();
+  return sum + (positionOf(last) - positionOf(begin)).norm();
 }
 
 bool TravelBound::allows(const PoseEdge& tie) const {

@@ -3,32 +3,20 @@
 
 #include "graph/graph_covariance.h"
 #include "trajectory/camera_speed.h"
+#include "trajectory/chunked_work.h"
+#include "trajectory/trajectory_graph.h"
 
-#include <facetloc/features/local_model.h>
-
-#include <functional>
-#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 namespace facetloc::internal {
 
-/** \brief A keyframe, as far as the search for ties needs it. */
-struct TieEnd {
-  std::shared_ptr<const View> view;
-  int part = 0;
-  int run = 0;  ///< number of interruptions before it
-  double stamp = 0;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< position in the world of its part
-};
-
 /** \brief How pairs of keyframes are searched for. */
 struct TieSearch {
   PoseWithCovariance prior;                ///< relative pose of a pair, about the identity
   std::optional<CameraMounting> mounting;  ///< with it, a PlaceIndex bounds the search
-  int threads = 1;                         ///< 0 = all cores
-  std::function<void(double)> progress{};  ///< receives the share of the work that is done; may be empty
+  ChunkedWork work{};
   /// pairs up to which all are compared: an index costs as much as 6000 comparisons for each keyframe
   long long exhaustive_up_to = 20'000'000;
 };
@@ -38,13 +26,14 @@ struct TieSearch {
  * a known mounting, only the most similar ones by a PlaceIndex are overlaid.
  *
  * \param first number of the first keyframe that pairs are formed with */
-std::vector<std::pair<int, int>> tieCandidates(const std::vector<TieEnd>& keyframes, int first,
+std::vector<std::pair<int, int>> tieCandidates(const std::vector<TrajectoryNode>& keyframes, int first,
                                                const TieSearch& search);
 
 /** \brief Bound on ties by the distance that the camera may have covered between two parts. */
 class TravelBound {
 public:
-  TravelBound(const std::vector<TieEnd>& keyframes, const CameraSpeed& speed, const GraphCovariance& graph);
+  TravelBound(const std::vector<TrajectoryNode>& keyframes, const CameraSpeed& speed,
+              const GraphCovariance& graph);
 
   /** \brief False if the camera would have had to move much faster than it does. Anything is possible across
    * an interruption. */
@@ -54,7 +43,7 @@ private:
   std::pair<int, int> nearestInTime(int part_a, int part_b) const;
   double farthest(int first, int last) const;
 
-  const std::vector<TieEnd>& keyframes_;
+  const std::vector<TrajectoryNode>& keyframes_;
   const CameraSpeed& speed_;
   const GraphCovariance& graph_;
 };
