@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/fused_surface.h"
 #include "models/places_beside.h"
+#include "sessions/map_update.h"
 #include "sessions/parallel_stage.h"
 
 #include <facetloc/features/map_parts.h>
@@ -20,28 +21,6 @@ namespace facetloc {
 using namespace internal;
 
 namespace {
-
-/** Removes views that were rendered before. \return how many */
-std::size_t removeRendered(Map& map) {
-  const std::vector<char> rendered = renderedViews(map);
-  std::vector<int> index(map.models.size(), -1);
-  std::vector<LocalModel> models;
-  for (std::size_t m = 0; m < map.models.size(); ++m) {
-    if (rendered[m]) continue;
-    index[m] = static_cast<int>(models.size());
-    models.push_back(std::move(map.models[m]));
-  }
-  std::vector<Link> links;
-  for (Link link : map.links) {
-    link.from = index[link.from], link.to = index[link.to];
-    if (link.from >= 0 && link.to >= 0) links.push_back(link);
-  }
-  const std::size_t removed = map.models.size() - models.size();
-  map.models = std::move(models);
-  map.links = std::move(links);
-  map.meta.erase(kRenderedKey);
-  return removed;
-}
 
 /** The images of rendered views are free of distortion. */
 Camera cameraOfRendered(const Map& map) {
@@ -176,7 +155,10 @@ Densification densify(Map& map, const DensifyParams& params, const ViewParams& v
   view.validate();
   if (map.store()) throw std::invalid_argument("a map is densified in memory: read it with readMap()");
   Densification done;
-  done.removed = removeRendered(map);
+  const std::vector<char> rendered = renderedViews(map);
+  removeModels(rendered, map);
+  map.meta.erase(kRenderedKey);
+  done.removed = rendered.size() - map.models.size();
   int parts = 0;
   for (const LocalModel& model : map.models) parts = std::max(parts, model.part + 1);
   for (int part = 0; part < parts; ++part)

@@ -125,9 +125,4 @@ bool SeenSpace::isKnownBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& 
   return true;
 }
 
-Eigen::AlignedBox3d SeenSpace::bounds() const {
-  if (cells_.empty()) return {};
-  return {origin_, origin_ + cell_ * size_.cast<double>()};
-}
-
 }  // namespace facetloc::internal

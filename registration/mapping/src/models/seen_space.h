@@ -28,8 +28,6 @@ public:
   bool isFreeBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
   /** \brief Is all of the way from a to b known, but for a single cell? */
   bool isKnownBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
-  double cell() const { return cell_; }  ///< [m]
-  Eigen::AlignedBox3d bounds() const;
 
 private:
   enum : std::uint8_t { kKnown = 1, kFree = 2 };

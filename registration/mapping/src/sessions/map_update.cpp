@@ -210,20 +210,7 @@ public:
       changes_.edited.push_back(map_.models[m].name);
       changes_.T_w_edited.push_back(*map_.models[m].T_w_m);
     }
-    std::vector<int> index(map_.models.size(), -1);
-    std::vector<LocalModel> models;
-    for (std::size_t m = 0; m < map_.models.size(); ++m) {
-      if (removed_[m]) continue;
-      index[m] = static_cast<int>(models.size());
-      models.push_back(std::move(map_.models[m]));
-    }
-    std::vector<Link> links;
-    for (Link link : map_.links) {
-      link.from = index[link.from], link.to = index[link.to];
-      if (link.from >= 0 && link.to >= 0) links.push_back(link);
-    }
-    map_.models = std::move(models);
-    map_.links = std::move(links);
+    removeModels(removed_, map_);
     if (changes_.any()) {
       map_.ambiguity.reset();
       map_.meta.erase(kSureKey);
@@ -331,7 +318,7 @@ private:
   DepthComparison comparison_;
   std::vector<bool> used_;     // images that become no local model any more
   std::vector<bool> trusted_;  // images
-  std::vector<bool> removed_;  // local models
+  std::vector<char> removed_;  // local models
   std::vector<bool> fresh_;    // local models of the map that an image has replaced
   std::vector<bool> edited_;   // those that have lost surfaces
   std::set<std::string> names_;
@@ -339,6 +326,23 @@ private:
 };
 
 }  // namespace
+
+void internal::removeModels(const std::vector<char>& removed, Map& map) {
+  std::vector<int> index(map.models.size(), -1);
+  std::vector<LocalModel> models;
+  for (std::size_t m = 0; m < map.models.size(); ++m) {
+    if (removed[m]) continue;
+    index[m] = static_cast<int>(models.size());
+    models.push_back(std::move(map.models[m]));
+  }
+  std::vector<Link> links;
+  for (Link link : map.links) {
+    link.from = index[link.from], link.to = index[link.to];
+    if (link.from >= 0 && link.to >= 0) links.push_back(link);
+  }
+  map.models = std::move(models);
+  map.links = std::move(links);
+}
 
 MapChanges internal::updateMap(Map& map, const std::vector<SessionImage>& session,
                                const MapBuilderParams& builder, const MapSessionParams& params, int threads) {

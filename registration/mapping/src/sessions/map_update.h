@@ -18,6 +18,9 @@ struct SessionImage {
   bool confirmed = true;  ///< otherwise it must agree with the map around it almost everywhere to count
 };
 
+/** \brief Removes local models from a map, and the links that lead to them. */
+void removeModels(const std::vector<char>& removed, Map& map);
+
 /** \brief Brings a map up to date: surfaces that several images of a session have looked through retire,
  * local models that have lost much are replaced, and places that no local model shows become new ones
  * (METHOD 14.6).
