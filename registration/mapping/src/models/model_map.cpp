@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/viewpoints.h"
 #include "sessions/image_run.h"
-#include "sessions/map_in_memory.h"
 
 #include <facetloc/features/map_surfaces.h>
+#include <facetloc/mapping/map_making.h>
 #include <facetloc/mapping/model_map.h>
 
 #include <cmath>
@@ -186,8 +186,7 @@ Map ModelMap::finish() {
     m.findings.problem = "no view of the surface shows a plane";
     return {};
   }
-  MapInMemory sink(map);
-  completeMap(sink, {false, m.threads, m.progress});
+  completeMap(map, {false, m.threads, m.progress});
   return std::move(*map);
 }
 

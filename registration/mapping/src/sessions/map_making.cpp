@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/distortion_calibration.h"
+#include "calibration/map_ambiguity.h"
 #include "sessions/image_run.h"
-#include "sessions/map_in_memory.h"
 #include "trajectory/trajectory_links.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/mapping/map_making.h>
 
 #include <algorithm>
@@ -35,6 +36,33 @@ PosesByTime posesOf(const std::vector<MapImage>& images) {
   };
 }
 
+/** A map that is made in memory. */
+class MapInMemory : public MapSink {
+public:
+  explicit MapInMemory(std::shared_ptr<Map> map) : map_(std::move(map)) {}
+
+  std::shared_ptr<Map> map() override { return map_; }
+  void setCamera(const Camera& camera) override { map_->camera = camera; }
+  void setMeta(const std::string& key, const std::string& value) override { map_->meta[key] = value; }
+  void add(const Link& link) override { map_->links.push_back(link); }
+  void setWhole() override { placeByLinks(*map_); }
+
+private:
+  std::shared_ptr<Map> map_;
+};
+
+AliasScores findAliases(const std::shared_ptr<const Map>& map, const MapCompletion& how) {
+  AliasScores scores(map->models.size());
+  const std::vector<int> models = viewsToAsk(*map);
+  if (models.empty()) return scores;
+  const GlobalLocalization localization(map);
+  ParallelStage(MapProgress::Stage::ambiguity, models.size(), how.threads, how.progress)
+      .run([&](std::size_t i) {
+        if (const auto wrong = wrongPlace(localization, models[i])) scores[models[i]] = wrong->score;
+      });
+  return scores;
+}
+
 }  // namespace
 
 void MapMakingParams::validate() const {
@@ -42,6 +70,28 @@ void MapMakingParams::validate() const {
   trajectory.validate();
   view.validate();
   if (every < 0) throw std::invalid_argument("every must not be negative");
+}
+
+std::optional<FoundMounting> completeMap(MapSink& sink, const MapCompletion& how) {
+  const std::shared_ptr<Map> map = sink.map();
+  std::optional<FoundMounting> found;
+  if (how.mounting && !map->camera.mounting) found = findMounting(*map);
+  if (found) {
+    map->camera.mounting = found->mounting;
+    placeByLinks(*map);  // up is known now
+    sink.setMounting(map->camera, *found);
+  }
+  sink.setPlaceIndex(*map);
+  if (map->ambiguity) return found;
+  const AliasScores scores = findAliases(map, how);
+  setAmbiguity(scores, *map);
+  if (map->ambiguity) sink.setAmbiguity(*map->ambiguity, scores);
+  return found;
+}
+
+std::optional<FoundMounting> completeMap(const std::shared_ptr<Map>& map, const MapCompletion& how) {
+  MapInMemory sink(map);
+  return completeMap(sink, how);
 }
 
 struct MapMaking::Impl {
