@@ -6,7 +6,7 @@
 #include "poses/pose_radius.h"
 #include "sessions/parallel_stage.h"
 #include "threads/in_parallel.h"
-#include "trajectory/keyframe_graph.h"
+#include "trajectory/trajectory_links.h"
 
 #include <facetloc/features/chi_square.h>
 #include <facetloc/mapping/map_session.h>

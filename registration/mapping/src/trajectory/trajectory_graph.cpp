@@ -3,7 +3,7 @@
 
 #include "motion/step_prior.h"
 #include "poses/pose_fusion.h"
-#include "trajectory/keyframe_graph.h"
+#include "trajectory/trajectory_links.h"
 
 #include <cmath>
 #include <stdexcept>
