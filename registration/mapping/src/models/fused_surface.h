@@ -3,7 +3,6 @@
 
 #include "models/patch_raster.h"
 #include "models/seen_space.h"
-#include "models/surface_patches.h"
 
 #include <facetloc/mapping/surface.h>
 
