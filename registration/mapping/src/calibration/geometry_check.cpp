@@ -44,20 +44,16 @@ FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& came
   const bool are_distances = bend.ray_exponent > 0;
   FlatSurfaces otherwise = flatSurfaces(images, camera, are_distances ? DepthIs::distance : DepthIs::product);
   if (!(otherwise.flat_share > kFlatter * as_read.flat_share)) return as_read;
-  const std::string larger = fmt::format("so read, flat surfaces are {:.1f} times as large",
-                                         otherwise.flat_share / as_read.flat_share);
-  if (are_distances)
-    check.faults.push_back(
-        {fmt::format("flat surfaces are bent like bowls: depths are distances along the rays, not z; "
-                     "depth_is = distance in camera.ini reads them ({})",
-                     larger),
-         true});
-  else
-    check.faults.push_back(
-        {fmt::format("flat surfaces bulge, as if z were read as distances along the rays: depth_is = z in "
-                     "camera.ini reads them ({})",
-                     larger),
-         true});
+  check.faults.push_back(
+      {fmt::format(
+           "{} (so read, flat surfaces are {:.1f} times as large)",
+           are_distances
+               ? "flat surfaces are bent like bowls: depths are distances along the rays, not z; "
+                 "depth_is = distance in camera.ini reads them"
+               : "flat surfaces bulge, as if z were read as distances along the rays: depth_is = z in "
+                 "camera.ini reads them",
+           otherwise.flat_share / as_read.flat_share),
+       true});
   return otherwise;
 }
 
