@@ -142,9 +142,7 @@ struct PlacedView {
     const Intrinsics& k = view.depth.camera;
     for (int v = 0; v < k.height; v += kRays)
       for (int u = 0; u < k.width; u += kRays) {
-        const std::uint16_t inverse =
-            view.depth.inverse_depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(k.width) +
-                                     static_cast<std::size_t>(u)];
+        const auto inverse = view.depth.inverse_depth[static_cast<std::size_t>(v) * k.width + u];
         if (inverse > 0) what(Eigen::Vector3d(k.ray(u, v) / (inverse * DepthPicture::kQuantum)));
       }
   }

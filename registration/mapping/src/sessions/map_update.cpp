@@ -130,6 +130,21 @@ private:
   std::vector<SurfaceReview> reviews_;
 };
 
+/** Number of the pose that is nearest to another one; nothing if none has much in common with a view from
+ * there. \param poseOf gives null for a pose that does not count */
+template <class PoseOf>
+std::optional<std::size_t> nearestOf(std::size_t n, const Eigen::Isometry3d& T, const PoseOf& poseOf) {
+  std::optional<std::size_t> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Isometry3d* pose = poseOf(i);
+    if (!pose) continue;
+    const double distance = viewDistance(*pose, T);
+    if (distance < least) least = distance, nearest = i;
+  }
+  return nearest;
+}
+
 class Update {
 public:
   Update(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
@@ -187,20 +202,21 @@ public:
     for (std::size_t i = 0; i < session_.size(); ++i) {
       if (used_[i] || session_[i].view->segments.empty()) continue;
       if (isKnown(session_[i], {}, kKnownShare)) continue;
-      if (const auto beside = modelBeside(session_[i].T_w_c)) {
+      if (const auto beside = nearestModel(session_[i].T_w_c, true)) {
         const bool is_old = *beside < fresh_.size() && !fresh_[*beside];
         if (is_old && !isKnown(session_[i], {}, 1 - params_.changed_share) &&
             isKnown(session_[i], otherLooks(i), kKnownShare))
           replace(*beside, i);
         continue;
       }
-      const std::size_t at = map_.models.size();
-      const int nearest = nearestModel(session_[i].T_w_c, [](const auto&) { return true; });
-      changes_.added.push_back(take(i).name);
+      const auto nearest = nearestModel(session_[i].T_w_c, false);
+      map_.models.push_back(modelOf(i));
+      changes_.added.push_back(map_.models.back().name);
       removed_.push_back(false);
-      if (nearest >= 0)
-        map_.links.push_back(
-            builder_.link(nearest, static_cast<int>(at), *map_.models[nearest].T_w_m, session_[i].T_w_c));
+      if (nearest)
+        map_.links.push_back(builder_.link(static_cast<int>(*nearest),
+                                           static_cast<int>(map_.models.size()) - 1,
+                                           *map_.models[*nearest].T_w_m, session_[i].T_w_c));
     }
   }
 
@@ -224,13 +240,6 @@ private:
   bool isBeside(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
     return isNear(a, b, near_.distance, near_.rotation_deg);
   }
-  /** The nearest of the local models that are at the same place, if there is one. */
-  std::optional<std::size_t> modelBeside(const Eigen::Isometry3d& T_w_c) const {
-    const int nearest =
-        nearestModel(T_w_c, [&](const Eigen::Isometry3d& T_w_m) { return isBeside(T_w_m, T_w_c); });
-    return nearest < 0 ? std::nullopt : std::optional<std::size_t>(nearest);
-  }
-
   /** The images of the session that have seen the place of one of them from elsewhere. */
   std::vector<PosedPicture> otherLooks(std::size_t image) const {
     std::vector<PosedPicture> looks;
@@ -243,27 +252,19 @@ private:
   }
 
   std::optional<std::size_t> nearestImage(const Eigen::Isometry3d& T_w_m) const {
-    std::optional<std::size_t> nearest;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < session_.size(); ++i) {
-      if (used_[i] || session_[i].view->segments.empty() || !isBeside(T_w_m, session_[i].T_w_c)) continue;
-      const double distance = viewDistance(T_w_m, session_[i].T_w_c);
-      if (distance < least) least = distance, nearest = i;
-    }
-    return nearest;
+    return nearestOf(session_.size(), T_w_m, [&](std::size_t i) {
+      const SessionImage& image = session_[i];
+      const bool counts = !used_[i] && !image.view->segments.empty() && isBeside(T_w_m, image.T_w_c);
+      return counts ? &image.T_w_c : nullptr;
+    });
   }
-
-  /** -1 if none has much in common with a view from there. \param counts those that may be the nearest */
-  template <class Counts>
-  int nearestModel(const Eigen::Isometry3d& T_w_c, const Counts& counts) const {
-    int nearest = -1;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t m = 0; m < map_.models.size(); ++m) {
-      if (removed_[m] || !map_.models[m].T_w_m || !counts(*map_.models[m].T_w_m)) continue;
-      const double distance = viewDistance(*map_.models[m].T_w_m, T_w_c);
-      if (distance < least) least = distance, nearest = static_cast<int>(m);
-    }
-    return nearest;
+  /** \param beside only those at the same place count */
+  std::optional<std::size_t> nearestModel(const Eigen::Isometry3d& T_w_c, bool beside) const {
+    return nearestOf(map_.models.size(), T_w_c, [&](std::size_t m) {
+      const auto& T_w_m = map_.models[m].T_w_m;
+      const bool counts = !removed_[m] && T_w_m && (!beside || isBeside(*T_w_m, T_w_c));
+      return counts ? &*T_w_m : nullptr;
+    });
   }
 
   /** Do local models, and others, agree with such a share of an image? */
@@ -292,10 +293,6 @@ private:
     view.camera.reset();  // the map's
     changes_.T_w_new.push_back(image.T_w_c);
     return {name, image.stamp, image.T_w_c, std::move(view)};
-  }
-  const LocalModel& take(std::size_t i) {
-    map_.models.push_back(modelOf(i));
-    return map_.models.back();
   }
   void replace(std::size_t m, std::size_t i) {
     fresh_[m] = true;

@@ -21,12 +21,7 @@ struct SessionImage {
 /** \brief Removes local models from a map, and the links that lead to them. */
 void removeModels(const std::vector<char>& removed, Map& map);
 
-/** \brief Brings a map up to date: surfaces that several images of a session have looked through retire,
- * local models that have lost much are replaced, and places that no local model shows become new ones
- * (METHOD 14.6).
- *
- * The map is to hold its views (readMap()) and their poses. Its ambiguity is unknown afterwards if anything
- * has changed. The same for any number of threads. */
+/** \brief MapSession::update() with images in their places. The same for any number of threads. */
 MapChanges updateMap(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
                      const MapSessionParams& params, int threads = 1);
 
