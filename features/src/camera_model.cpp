@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/pose_axes.h"
+
 #include <facetloc/features/camera_model.h>
 #include <facetloc/features/so3.h>
 
@@ -34,11 +36,9 @@ Eigen::Matrix3d pointCovariance(const Eigen::Vector3d& p, const Intrinsics& came
 }
 
 Eigen::Isometry3d CameraMounting::T_b_c() const {
-  Eigen::Matrix3d forward;  // columns: the axes of a level camera that looks along x of the base
-  forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = expSO3({0, 0, pan_deg * kDegree}) * forward * expSO3({-tilt_deg * kDegree, 0, 0}) *
-               expSO3({0, 0, roll_deg * kDegree});
+  T.linear() = expSO3({0, 0, pan_deg * kDegree}) * internal::opticalInBase() *
+               expSO3({-tilt_deg * kDegree, 0, 0}) * expSO3({0, 0, roll_deg * kDegree});
   T.translation() << x, y, height;
   return T;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/recorded_poses.h"
 
+#include "base/pose_axes.h"
 #include "base/text.h"
 #include "bytes/files.h"
 
@@ -208,19 +209,10 @@ Trajectory readAs(const PoseReading& reading, const Trajectory& poses,
   if (reading.isUsual()) return poses;
   using Axes = PoseReading::Axes;
   Eigen::Isometry3d T_other_optical = Eigen::Isometry3d::Identity();
-  if (reading.axes == Axes::opengl) T_other_optical.linear().diagonal() << 1, -1, -1;
-  if (reading.axes == Axes::base) {
-    T_other_optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-    if (T_b_c) T_other_optical = *T_b_c;
-  }
+  if (reading.axes == Axes::opengl) T_other_optical.linear() = opticalInOpenGl();
+  if (reading.axes == Axes::base) T_other_optical = T_b_c ? *T_b_c : Eigen::Isometry3d(opticalInBase());
   return changed(poses, [&](StampedPose& pose) {
-    Eigen::Isometry3d& T = pose.T_w_c;
-    if (reading.w_first) {
-      const Eigen::Quaterniond q(T.linear());
-      T.linear() = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).normalized().toRotationMatrix();
-    }
-    if (reading.inverse) T = T.inverse();
-    T = T * T_other_optical;
+    pose.T_w_c = poseAsMeant(reading.w_first, reading.inverse, pose.T_w_c) * T_other_optical;
   });
 }
 

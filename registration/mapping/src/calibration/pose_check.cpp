@@ -2,6 +2,7 @@
 #include "calibration/pose_check.h"
 
 #include "base/median.h"
+#include "base/pose_axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +24,7 @@ constexpr double kFarDegrees = 3, kFarMetres = 0.04;    // beyond those of usabl
 constexpr double kSenselessDegrees = 5, kSenselessMetres = 0.2;
 constexpr double kBetter = 0.5;  // share of the disagreement that is left without a fault
 
-enum class Axes { optical, body, opengl };
+enum class Axes { optical, base, opengl };
 
 /** Signs of x and y in the images, if they are stored otherwise than they were seen. */
 struct Storing {
@@ -40,21 +41,12 @@ struct Reading {
   double scale = 1;  // scale of translations
 };
 
-/** Orientation of the optical axes in others. */
-Eigen::Matrix3d opticalAxesIn(Axes axes) {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  if (axes == Axes::body) R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  if (axes == Axes::opengl) R.diagonal() << 1, -1, -1;
-  return R;
-}
-
 Eigen::Isometry3d read(const Reading& reading, Eigen::Isometry3d T) {
-  if (reading.w_first) {
-    const Eigen::Quaterniond q(T.linear());
-    T.linear() = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).normalized().toRotationMatrix();
-  }
-  if (reading.inverse) T = T.inverse();
-  T.linear() = T.linear() * opticalAxesIn(reading.axes);
+  T = poseAsMeant(reading.w_first, reading.inverse, T);
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  if (reading.axes == Axes::base) R = opticalInBase();
+  if (reading.axes == Axes::opengl) R = opticalInOpenGl();
+  T.linear() = T.linear() * R;
   T.translation() *= reading.scale;
   return T;
 }
@@ -124,7 +116,7 @@ public:
     };
     for (const bool w_first : {false, true})
       for (const bool inverse : {false, true})
-        for (const Axes axes : {Axes::optical, Axes::body, Axes::opengl})
+        for (const Axes axes : {Axes::optical, Axes::base, Axes::opengl})
           tryOne({w_first, inverse, axes, {}, 0, 1});
     for (const Storing storing : {Storing{-1, 1}, Storing{1, -1}, Storing{-1, -1}})
       tryOne({false, false, Axes::optical, storing, 0, 1});
@@ -170,7 +162,7 @@ std::string toString(const Reading& r) {
   if (r.w_first) faults.emplace_back("their quaternions are in the order w x y z, where x y z w is expected");
   if (r.inverse)
     faults.emplace_back("they are inverted: of the world in the camera, not of the camera in the world");
-  if (r.axes == Axes::body)
+  if (r.axes == Axes::base)
     faults.emplace_back(
         "they are of a robot's axes (x forward, z up), not of the camera's optical frame (x right, "
         "y down, z forward)");
@@ -198,7 +190,7 @@ std::string conventionOf(const Reading& r) {
   std::vector<const char*> words;
   if (r.w_first) words.push_back("wxyz");
   if (r.inverse) words.push_back("inverse");
-  if (r.axes != Axes::optical) words.push_back(r.axes == Axes::body ? "base" : "opengl");
+  if (r.axes != Axes::optical) words.push_back(r.axes == Axes::base ? "base" : "opengl");
   return fmt::format("{}", fmt::join(words, ","));
 }
 
