@@ -37,17 +37,12 @@ const std::vector<double> kHeightsInHand{1.1, 1.6}, kTiltsInHand{0, 30};
 }  // namespace
 
 struct ModelMap::Impl {
-  std::shared_ptr<const Surface> surface;
-  Camera camera;  // camera of the map
+  ViewpointSearch given;  // with the camera of the map
   ModelMapParams params;
   ViewParams view;
   std::optional<std::vector<Eigen::Isometry3d>> viewpoints;
-  std::vector<double> heights;
-  std::vector<Eigen::Vector3d> inside;
   std::optional<Eigen::Vector3d> up = Eigen::Vector3d::UnitZ();  // none = the surface's own
   int width = kWorkingWidth;
-  int threads = 1;
-  MapProgressCallback progress;
   std::optional<SurfaceOrientation> orientation;
   ModelFindings findings;
 
@@ -60,7 +55,7 @@ struct ModelMap::Impl {
 };
 
 const SurfaceOrientation& ModelMap::Impl::surfaceOrientation() {
-  if (!orientation) orientation = orientationOf(*surface, threads);
+  if (!orientation) orientation = orientationOf(*given.surface, given.threads);
   return *orientation;
 }
 
@@ -75,32 +70,27 @@ bool ModelMap::Impl::findUp() {
 }
 
 Intrinsics ModelMap::Impl::intrinsics() const {
-  const Intrinsics full = camera.intrinsics.valid() ? camera.intrinsics : kinectIntrinsics();
+  const Intrinsics& of_map = given.camera.intrinsics;
+  const Intrinsics full = of_map.valid() ? of_map : kinectIntrinsics();
   return full.subsampled(subsamplingStep(full, width));
 }
 
 /** Rendered images are ideal but for the surface's own error. */
 Camera ModelMap::Impl::viewCamera() const {
-  Camera ideal = camera;
+  Camera ideal = given.camera;
   ideal.distortion.reset();
-  ideal.noise.depth_std = std::hypot(camera.noise.depth_std, params.surface_std);
+  ideal.noise.depth_std = std::hypot(given.camera.noise.depth_std, params.surface_std);
   return ideal;
 }
 
 ViewpointSearch ModelMap::Impl::search() const {
-  ViewpointSearch search;
-  search.surface = surface;
-  search.camera = camera;
+  ViewpointSearch search = given;
+  const auto& mounting = given.camera.mounting;
   search.camera.intrinsics = intrinsics();
-  search.heights = !heights.empty()  ? heights
-                   : camera.mounting ? std::vector<double>{camera.mounting->height}
-                                     : kHeightsInHand;
-  search.tilts_deg = camera.mounting ? std::vector<double>{camera.mounting->tilt_deg} : kTiltsInHand;
-  search.inside = inside;
-  search.stands = camera.mounting || !heights.empty();
+  if (given.heights.empty()) search.heights = mounting ? std::vector{mounting->height} : kHeightsInHand;
+  search.tilts_deg = mounting ? std::vector{mounting->tilt_deg} : kTiltsInHand;
+  search.stands = mounting || !given.heights.empty();
   search.T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), findings.up);
-  search.threads = threads;
-  search.progress = progress;
   return search;
 }
 
@@ -109,17 +99,17 @@ Map ModelMap::Impl::build() {
   ImageRun run;
   run.camera = viewCamera();
   run.view = view;
-  run.threads = threads;
-  run.progress = progress;
+  run.threads = given.threads;
+  run.progress = given.progress;
   const Intrinsics k = intrinsics();
   for (std::size_t i = 0; i < findings.viewpoints.size(); ++i) {
     const Eigen::Isometry3d& T_w_c = findings.viewpoints[i];
     run.images.push_back({fmt::format("view-{:05}", i + 1), static_cast<double>(i),
-                          [this, k, &T_w_c] { return surface->render(k, T_w_c); }, T_w_c});
+                          [this, k, &T_w_c] { return given.surface->render(k, T_w_c); }, T_w_c});
   }
   Map map;
-  map.camera = camera;
-  setSurfaces(surfacesOf(*surface), map);
+  map.camera = given.camera;
+  setSurfaces(surfacesOf(*given.surface), map);
   std::vector<Eigen::Isometry3d> used;
   std::vector<UnreadImage> unread;
   run.buildViews(run.all(), MapProgress::Stage::models, unread,
@@ -129,7 +119,7 @@ Map ModelMap::Impl::build() {
                      return;
                    }
                    built->camera.reset();  // the map's
-                   if (!surface->isIncomplete()) addSurfaceError(params.surface_std, built->segments);
+                   if (!given.surface->isIncomplete()) addSurfaceError(params.surface_std, built->segments);
                    const MapImage& image = run.images[i];
                    map.models.emplace_back(image.name, image.stamp, image.T_w_c, std::move(*built));
                    used.push_back(*image.T_w_c);
@@ -142,8 +132,8 @@ ModelMap::ModelMap(std::shared_ptr<const Surface> surface, const Camera& camera,
                    const ViewParams& view)
     : impl_(std::make_unique<Impl>()) {
   if (!surface) throw std::invalid_argument("ModelMap: there is no surface");
-  impl_->surface = std::move(surface);
-  impl_->camera = camera;
+  impl_->given.surface = std::move(surface);
+  impl_->given.camera = camera;
   impl_->params = checked(params);
   impl_->view = checked(view);
 }
@@ -151,8 +141,8 @@ ModelMap::ModelMap(ModelMap&&) noexcept = default;
 ModelMap& ModelMap::operator=(ModelMap&&) noexcept = default;
 ModelMap::~ModelMap() = default;
 
-void ModelMap::setNumberOfThreads(int n) { impl_->threads = n; }
-void ModelMap::setProgress(MapProgressCallback progress) { impl_->progress = std::move(progress); }
+void ModelMap::setNumberOfThreads(int n) { impl_->given.threads = n; }
+void ModelMap::setProgress(MapProgressCallback progress) { impl_->given.progress = std::move(progress); }
 void ModelMap::setWorkingWidth(int width) { impl_->width = width; }
 void ModelMap::setViewpoints(std::vector<Eigen::Isometry3d> viewpoints) {
   for (std::size_t i = 0; i < viewpoints.size(); ++i)
@@ -166,8 +156,8 @@ void ModelMap::setUp(const Eigen::Vector3d& up) {
 }
 void ModelMap::setUpBySurface() { impl_->up.reset(); }
 const SurfaceOrientation& ModelMap::orientation() { return impl_->surfaceOrientation(); }
-void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->inside = std::move(places); }
-void ModelMap::setHeights(std::vector<double> heights) { impl_->heights = std::move(heights); }
+void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->given.inside = std::move(places); }
+void ModelMap::setHeights(std::vector<double> heights) { impl_->given.heights = std::move(heights); }
 const ModelFindings& ModelMap::findings() const { return impl_->findings; }
 
 Map ModelMap::finish() {
@@ -186,7 +176,7 @@ Map ModelMap::finish() {
     m.findings.problem = "no view of the surface shows a plane";
     return {};
   }
-  completeMap(map, {false, m.threads, m.progress});
+  completeMap(map, {false, m.given.threads, m.given.progress});
   return std::move(*map);
 }
 
