@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/pose.h>
-#include <facetloc/mapping/cloud_surface.h>
+#include <facetloc/mapping/mesh_surface.h>
 
 #include <gtest/gtest.h>
 #include <pcl/conversions.h>

@@ -6,7 +6,6 @@
 #include <facetloc/mapping/densified_map.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/mapping/map_session.h>
-#include <facetloc/mapping/own_views.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 

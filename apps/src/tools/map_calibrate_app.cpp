@@ -11,7 +11,7 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/localization/localizer.h>
-#include <facetloc/mapping/own_views.h>
+#include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -13,7 +13,6 @@
 #include <facetloc/io/model_file.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/trajectory.h>
-#include <facetloc/mapping/cloud_surface.h>
 #include <facetloc/mapping/mesh_surface.h>
 
 #include <filesystem>

@@ -4,7 +4,7 @@
 #include "models/ray_caster.h"
 #include "threads/in_parallel.h"
 
-#include <facetloc/mapping/cloud_surface.h>
+#include <facetloc/mapping/mesh_surface.h>
 
 #include <Eigen/Eigenvalues>
 #include <pcl/PCLPointCloud2.h>

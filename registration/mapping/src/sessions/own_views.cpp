@@ -4,7 +4,7 @@
 
 #include <facetloc/features/rendered_views.h>
 #include <facetloc/features/so3.h>
-#include <facetloc/mapping/own_views.h>
+#include <facetloc/mapping/map_session.h>
 
 #include <vector>
 

@@ -3,6 +3,7 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/localization/localization_params.h>
+#include <facetloc/localization/sure_calibration.h>
 #include <facetloc/mapping/map_builder.h>
 #include <facetloc/mapping/map_findings.h>
 #include <facetloc/mapping/map_image.h>
@@ -150,5 +151,13 @@ std::vector<MapAlignment> alignMaps(std::vector<Map>& maps, int threads = 1,
  * the first distortion that any map has, and a mounting if all agree on it. \param names one per map. Throws
  * std::invalid_argument if names of local models still collide. */
 Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& names);
+
+/** \brief Localizes the view of each local model that has a pose in the map without that model, those
+ * within 0.35 m and 10 deg of it and all that densify() has rendered, and adds the answers to a calibration:
+ * for maps without another recording. \param threads 0 = all cores. Throws the exceptions of reading the map
+ * and of the callback. */
+void addOwnViews(const std::shared_ptr<const Map>& map, SureCalibration& calibration,
+                 const RightPose& is_right = {}, const GlobalLocalizationParams& params = {}, int threads = 1,
+                 const MapProgressCallback& progress = {});
 
 }  // namespace facetloc
