@@ -48,7 +48,16 @@ enum class OverlapVerdict : char { says_nothing, confirms, contradicts };
 OverlapVerdict verdictOn(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
                          const Comparison& compared);
 
-/** \brief Verdicts on the relative poses of pieces, by the numbers of the pieces, the smaller first. */
-using PieceVerdicts = std::map<std::pair<int, int>, OverlapVerdicts>;
+/** \brief Numbers of two pieces of a trajectory, the smaller first. */
+using PiecePair = std::pair<int, int>;
+/** \brief Verdicts on the relative poses of pieces. */
+using PieceVerdicts = std::map<PiecePair, OverlapVerdicts>;
+/** \brief Independent ties between pieces. */
+using PieceBonds = std::map<PiecePair, int>;
+
+/** \brief The bond that is to be cut next, if any: one with too few independent ties, or else, where the
+ * verdicts on two pieces contradict their relative pose, the one most contradicted among those that lead from
+ * one to the other. Same input, same answer. */
+std::optional<PiecePair> weakestBond(const PieceVerdicts& verdicts, const PieceBonds& bonds, int least_ties);
 
 }  // namespace facetloc::internal

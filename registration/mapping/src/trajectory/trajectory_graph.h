@@ -3,7 +3,7 @@
 
 #include "graph/pose_graph.h"
 #include "motion/view_placing.h"
-#include "trajectory/piece_bonds.h"
+#include "trajectory/overlap_verdict.h"
 
 #include <facetloc/mapping/trajectory_estimation.h>
 

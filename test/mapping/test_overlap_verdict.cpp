@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/piece_bonds.h"
+#include "trajectory/overlap_verdict.h"
 
 #include <gtest/gtest.h>
 
