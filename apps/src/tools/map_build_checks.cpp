@@ -87,7 +87,7 @@ void MapBuildChecks::noteTrajectory(const CameraTrajectory& trajectory) const {
   if (parts.size() < 2) return;
   std::size_t outside = 0;
   for (const TrajectoryPose& pose : trajectory.images)
-    outside += trajectory.keyframes[pose.keyframe].part != parts.front();
+    outside += trajectory.partOf(pose) != parts.front();
   console.note(fmt::format("the images are not all connected: {} in {} that nothing ties to the largest one; "
                            "their local models have no pose in its world",
                            counted(outside, "image"), counted(parts.size() - 1, "piece")));

@@ -126,16 +126,13 @@ CameraTrajectory ImageRun::findTrajectory(const MappingParams& params, MapFindin
 }
 
 void ImageRun::level(CameraTrajectory& trajectory) const {
-  const auto partOf = [&](const TrajectoryPose& pose) {
-    return trajectory.keyframes[static_cast<std::size_t>(pose.keyframe)].part;
-  };
   std::map<int, Eigen::Vector3d> down;  // direction in each part, weighted by accuracy
   for (std::size_t i = 0; i < trajectory.images.size(); ++i) {
     const TrajectoryPose& pose = trajectory.images[i];
     const std::optional<Gravity>& measured = images[i].gravity;
     if (!measured || !measured->valid()) continue;
     const Eigen::Vector3d in_world = pose.T_w_c.linear() * measured->down;
-    down.try_emplace(partOf(pose), Eigen::Vector3d::Zero()).first->second +=
+    down.try_emplace(trajectory.partOf(pose), Eigen::Vector3d::Zero()).first->second +=
         in_world / (measured->std * measured->std);
   }
   const auto upright = [&](int part) {
@@ -145,7 +142,7 @@ void ImageRun::level(CameraTrajectory& trajectory) const {
       T.linear() = rotationBetween(found->second.normalized(), -Eigen::Vector3d::UnitZ());
     return T;
   };
-  for (TrajectoryPose& pose : trajectory.images) pose.T_w_c = upright(partOf(pose)) * pose.T_w_c;
+  for (TrajectoryPose& pose : trajectory.images) pose.T_w_c = upright(trajectory.partOf(pose)) * pose.T_w_c;
   for (Keyframe& keyframe : trajectory.keyframes) keyframe.T_w_c = upright(keyframe.part) * keyframe.T_w_c;
 }
 

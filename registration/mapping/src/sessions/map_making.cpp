@@ -104,7 +104,7 @@ struct MapMaking::Impl {
   bool findsTrajectory() const { return params.every == 0 && !run.images.empty() && !run.hasPoses(); }
   int partOf(std::size_t image) const {
     const auto& found = findings.trajectory;
-    return found ? found->keyframes[found->images[image].keyframe].part : 0;
+    return found ? found->partOf(found->images[image]) : 0;
   }
   std::optional<Eigen::Isometry3d> pose(std::size_t image) const;
   std::vector<PosedPicture> pictures(std::vector<DepthPicture>& depth) const;

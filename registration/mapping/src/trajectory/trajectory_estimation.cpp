@@ -38,7 +38,7 @@ int CameraTrajectory::loops() const {
 double CameraTrajectory::length() const {
   double sum = 0;
   for (std::size_t i = 1; i < images.size(); ++i)
-    if (keyframes[images[i].keyframe].part == keyframes[images[i - 1].keyframe].part)
+    if (partOf(images[i]) == partOf(images[i - 1]))
       sum += (images[i].T_w_c.translation() - images[i - 1].T_w_c.translation()).norm();
   return sum;
 }

@@ -27,8 +27,7 @@ std::vector<int> nearestModels(const CameraTrajectory& trajectory, const std::ve
     std::size_t least = 0;
     for (const auto candidate : {after, after == images.begin() ? images.end() : after - 1}) {
       if (candidate == images.end()) continue;
-      const int of_candidate = trajectory.images[*candidate].keyframe;
-      if (trajectory.keyframes[of_candidate].part != keyframe.part) continue;
+      if (trajectory.partOf(trajectory.images[*candidate]) != keyframe.part) continue;
       const std::size_t distance =
           *candidate > keyframe.image ? *candidate - keyframe.image : keyframe.image - *candidate;
       if (nearest[k] >= 0 && distance >= least) continue;
@@ -77,13 +76,10 @@ std::vector<Link> internal::trajectoryLinks(const CameraTrajectory& trajectory,
   for (const std::size_t image : images)
     if (image >= trajectory.images.size())
       throw std::invalid_argument(fmt::format("links: there is no image {}", image));
-  const auto partOf = [&](int model) {
-    return trajectory.keyframes[trajectory.images[images[model]].keyframe].part;
-  };
   std::set<std::pair<int, int>> pairs;
   std::map<int, int> latest;  // model of each part
   for (int i = 0; i < static_cast<int>(images.size()); ++i) {
-    const auto [before, is_first] = latest.try_emplace(partOf(i), i);
+    const auto [before, is_first] = latest.try_emplace(trajectory.partOf(trajectory.images[images[i]]), i);
     if (!is_first) pairs.emplace(std::exchange(before->second, i), i);
   }
   const std::vector<int> nearest = nearestModels(trajectory, images);

@@ -74,6 +74,8 @@ struct CameraTrajectory {
   OverlapVerdicts overlaps;             ///< comparisons of the keyframes
   int cut_bonds = 0;  ///< bonds between parts that were cut since overlaps contradicted them
 
+  /** \brief Number of the first keyframe of its part. */
+  int partOf(const TrajectoryPose& image) const { return keyframes[image.keyframe].part; }
   std::vector<int> parts() const;  ///< numbers of their first keyframes, the largest part first
   int loops() const;               ///< number of motions by which it has come back
   double length() const;           ///< path length [m], without the jumps between parts
