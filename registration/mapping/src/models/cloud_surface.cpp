@@ -40,20 +40,6 @@ struct Surfel {
 
 using Points = pcl::PointCloud<pcl::PointXYZ>;
 
-class Neighbours {
-public:
-  explicit Neighbours(const Points::ConstPtr& points) : points_(*points), tree_(false) {
-    tree_.setInputCloud(points);
-  }
-  void find(std::size_t i, pcl::Indices& indices, std::vector<float>& squares) const {
-    tree_.nearestKSearch(points_[i], kNeighbours, indices, squares);
-  }
-
-private:
-  const Points& points_;
-  pcl::KdTreeFLANN<pcl::PointXYZ> tree_;
-};
-
 /** On the plane of the neighbours, which averages the scan's noise. */
 Surfel surfelOf(const Points& points, std::size_t i, const pcl::Indices& neighbours,
                 const std::vector<float>& squares) {
@@ -79,7 +65,8 @@ Surfel surfelOf(const Points& points, std::size_t i, const pcl::Indices& neighbo
 
 /** Surfels of the points that belong to a surface, in their order. */
 std::vector<Surfel> surfelsOf(const Points::ConstPtr& points, int threads) {
-  const Neighbours tree(points);
+  pcl::KdTreeFLANN<pcl::PointXYZ> tree(false);
+  tree.setInputCloud(points);
   const std::size_t n = points->size();
   std::vector<Surfel> all(n);
   const auto forEachPoint = [&](const auto& function) {
@@ -88,7 +75,7 @@ std::vector<Surfel> surfelsOf(const Points::ConstPtr& points, int threads) {
       std::vector<float> squares;
       const std::size_t first = static_cast<std::size_t>(block) * kBlock;
       for (std::size_t i = first; i < std::min(n, first + kBlock); ++i) {
-        tree.find(i, indices, squares);
+        tree.nearestKSearch((*points)[i], kNeighbours, indices, squares);
         function(i, indices, squares);
       }
     });

@@ -31,9 +31,11 @@ void lookAround(const Surface& surface, const Eigen::Isometry3d& T_w_f, const Ei
     }
 }
 
-/** \brief Distance to a surface along a unit vector [m]; infinite where nothing is met. */
-inline double distanceAlong(const Surface& surface, const Eigen::Isometry3d& T_w_f,
-                            const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+/** \brief Distance to a surface along a unit vector [m]; infinite where nothing is met. \param T_w_f pose of
+ * the frame of both in the surface's */
+inline double distanceAlong(const Surface& surface, const Eigen::Vector3d& from,
+                            const Eigen::Vector3d& direction,
+                            const Eigen::Isometry3d& T_w_f = Eigen::Isometry3d::Identity()) {
   constexpr Intrinsics kRay{1, 1, 1, 1, 0, 0};
   const float z = surface.render(kRay, T_w_f * lookingAlong(from, direction)).at(0, 0);
   return isMeasured(z) ? z : std::numeric_limits<double>::infinity();

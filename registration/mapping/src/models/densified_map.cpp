@@ -121,13 +121,6 @@ std::vector<PlaceBeside> spreadOut(std::vector<PlaceBeside> places, const Densif
   return chosen;
 }
 
-/** The images of rendered views are free of distortion. */
-Camera cameraOfRendered(const Map& map) {
-  Camera camera = map.camera;
-  camera.distortion.reset();
-  return camera;
-}
-
 /** Without the digits that its noise leaves meaningless: smooth as a rendered picture is, a file would hold
  * them at great length. */
 DepthPicture roundedToNoise(const DepthPicture& picture) {
@@ -202,7 +195,8 @@ private:
   View viewAt(const FusedSurface& surface, const PlaceBeside& place) const {
     const View& beside = *views_[place.beside];
     const RenderedDepth rendered = surface.renderWithErrors(beside.intrinsics, place.T_w_c);
-    Camera camera = cameraOfRendered(map_);
+    Camera camera = map_.camera;
+    camera.distortion.reset();  // rendered images are free of it
     static_cast<DepthNoise&>(camera.noise) = camera.noise.scaledTo(
         std::max(1.0, rendered.disagreement) * camera.noise.ofInverseDepth(DepthNoise::kUsualDepth),
         DepthNoise::kUsualDepth);

@@ -244,7 +244,7 @@ private:
 }  // namespace
 
 double SpaceProbe::along(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const {
-  return distanceAlong(surface_, T_w_up_, from, direction);
+  return distanceAlong(surface_, from, direction, T_w_up_);
 }
 
 std::vector<double> SpaceProbe::heightsBelow(Eigen::Vector3d from, double lowest) const {

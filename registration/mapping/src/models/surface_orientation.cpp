@@ -134,15 +134,10 @@ private:
   std::vector<const SurfaceSample*> rest_;
 };
 
-/** Free distance from a position inside along a direction; infinite without an end. */
-double freeAlong(const Surface& surface, const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
-  return distanceAlong(surface, Eigen::Isometry3d::Identity(), from, direction);
-}
-
 double clearHeight(const Surface& surface, const SurfaceSamples& seen, const Eigen::Vector3d& axis) {
   std::vector<double> heights;
   for (const Eigen::Vector3d& p : seen.positions) {
-    const double height = freeAlong(surface, p, axis) + freeAlong(surface, p, -axis);
+    const double height = distanceAlong(surface, p, axis) + distanceAlong(surface, p, -axis);
     if (std::isfinite(height)) heights.push_back(height);
   }
   return 2 * heights.size() < seen.positions.size() || heights.empty() ? 0 : median(heights);
@@ -154,7 +149,7 @@ double furnitureOn(const Surface& surface, const Levels& floors, const Eigen::Ve
   double weight = 0;
   for (const SurfaceSample* sample : floors.rest()) {
     const Eigen::Vector3d from = sample->point.cast<double>() + kOff * room * up;
-    const double before = std::min(1.0, freeAlong(surface, from, up) / room);
+    const double before = std::min(1.0, distanceAlong(surface, from, up) / room);
     weight += std::max(0.0, 2 * before - 1) * sample->weight;
   }
   return weight;
