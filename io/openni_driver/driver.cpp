@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth_device.h"
-#include "openni_driver_api.h"
 
 #include <facetloc/io/virtual_camera.h>
 

@@ -1,12 +1,128 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame_source.h"
 
-#include "scene_source.h"
-#include "sequence_source.h"
+#include "base/median.h"
+#include "scene_file.h"
 
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/error.h>
+#include <facetloc/simulation/simulated_run.h>
+
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 namespace facetloc {
+namespace {
+
+/** Depth in OpenNI2's unit; values out of its range become 0. */
+void toMillimetres(const DepthImage& image, std::uint16_t* depth) {
+  std::transform(image.depth.begin(), image.depth.end(), depth, [](float z) {
+    const float millimetres = std::round(1000.f * z);
+    const bool fits = isMeasured(z) && millimetres < static_cast<float>(kMaxDepthMillimetres);
+    return fits ? static_cast<std::uint16_t>(millimetres) : std::uint16_t(0);
+  });
+}
+
+std::uint64_t microseconds(double seconds) { return static_cast<std::uint64_t>(std::llround(1e6 * seconds)); }
+
+constexpr int kUsualRate = 30;  // [Hz]
+constexpr int kHighestRate = 1000;
+
+/** Stamps count up by whole numbers where they are indices and not times. */
+bool areTimes(const std::vector<FrameFile>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (frames[i].stamp != static_cast<double>(i)) return frames.front().stamp >= 0;
+  return false;
+}
+
+/** Rate by the median time between images, so that a gap does not count. */
+int rateOf(const std::vector<FrameFile>& frames) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
+  if (steps.empty()) return kUsualRate;
+  const double usual = internal::median(steps.begin(), steps.end());
+  return usual > 0 ? static_cast<int>(std::clamp(std::round(1 / usual), 1.0, double(kHighestRate)))
+                   : kUsualRate;
+}
+
+/** Camera of the first image that can be read. */
+Intrinsics cameraOfImages(const DepthSequence& sequence) {
+  for (std::size_t i = 0;; ++i) {
+    try {
+      return sequence.load(i).camera;
+    } catch (const IoError&) {
+      if (i + 1 == sequence.frames().size()) throw;
+    }
+  }
+}
+
+/** The images of a folder, at the times of their stamps; at 30 Hz if their names are no times. */
+class SequenceSource : public FrameSource {
+public:
+  explicit SequenceSource(const std::string& folder) : sequence_(DepthSequence::open(folder)) {
+    has_times_ = areTimes(sequence_.frames());
+    rate_ = has_times_ ? rateOf(sequence_.frames()) : kUsualRate;
+    camera_ = sequence_.camera() ? sequence_.camera()->camera.intrinsics : cameraOfImages(sequence_);
+    if (sequence_.camera()) mounting_ = sequence_.camera()->camera.mounting;
+  }
+  std::size_t size() const override { return sequence_.frames().size(); }
+  std::uint64_t stamp(std::size_t index) const override {
+    return microseconds(has_times_ ? sequence_.frames().at(index).stamp
+                                   : static_cast<double>(index) / kUsualRate);
+  }
+  void read(std::size_t index, std::uint16_t* depth) const override {
+    const DepthImage image = sequence_.load(index);
+    if (image.camera.width != camera_.width || image.camera.height != camera_.height)
+      throw IoError(sequence_.frames().at(index).path.string(), "is of another size than the first image");
+    toMillimetres(image, depth);
+  }
+
+private:
+  DepthSequence sequence_;
+  bool has_times_ = false;
+};
+
+/** Images of a simulated place, rendered when they are asked for. */
+class SceneSource : public FrameSource {
+public:
+  explicit SceneSource(const SceneFile& file)
+      : file_(file), simulated_camera_(centredKinect(file.width), file.noise, file.seed) {
+    camera_ = simulated_camera_.camera();
+    mounting_ = file.drive.mounting();
+    rate_ = std::max(1, static_cast<int>(std::lround(file.pace.rate)));
+    const bool is_map = file.run == "map";
+    const auto frames = static_cast<std::size_t>(file.frames) + static_cast<std::size_t>(file.jump);
+    try {
+      SimulatedRun run = simulatedRun(file.scene, file.seed, is_map ? kMappingRun : kLaterRun, frames,
+                                      file.drive, file.pace, RouteEnd::go_round);
+      scene_ = std::move(run.scene);
+      poses_ = std::move(run.poses);
+    } catch (const std::exception& e) {
+      throw IoError("scene " + file.scene, e.what());
+    }
+    const auto left_out = file.jump_at > 0 && file.jump_at < file.frames ? poses_.begin() + file.jump_at
+                                                                         : poses_.end() - file.jump;
+    poses_.erase(left_out, left_out + file.jump);
+  }
+  std::size_t size() const override { return poses_.size(); }
+  std::uint64_t stamp(std::size_t index) const override {
+    return microseconds(static_cast<double>(index) / file_.pace.rate);
+  }
+  void read(std::size_t index, std::uint16_t* depth) const override {
+    toMillimetres(simulated_camera_.render(scene_, poses_.at(index), index).depth, depth);
+  }
+
+private:
+  SceneFile file_;
+  Scene scene_;
+  std::vector<Eigen::Isometry3d> poses_;
+  SimulatedCamera simulated_camera_;
+};
+
+}  // namespace
 
 bool isFrameSource(const std::string& path) {
   std::error_code ignored;

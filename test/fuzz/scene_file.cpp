@@ -2,8 +2,8 @@
 // Bytes as a .scene file. A place that is quickly made is also made, and one image of it.
 #include "scene_file.h"
 
+#include "frame_source.h"
 #include "fuzz_file.h"
-#include "scene_source.h"
 
 #include <facetloc/io/error.h>
 
@@ -19,10 +19,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr int kQuickFrames = 20, kQuickWidth = 60;
   if (!file || file->frames + file->jump > kQuickFrames || file->width > kQuickWidth) return 0;
   fuzz::accepts<IoError>([&] {
-    const SceneSource source(*file);
-    std::vector<std::uint16_t> depth(static_cast<std::size_t>(source.camera().width) *
-                                     static_cast<std::size_t>(source.camera().height));
-    source.read(source.size() - 1, depth.data());
+    const auto source = openFrameSource(path);
+    std::vector<std::uint16_t> depth(static_cast<std::size_t>(source->camera().width) *
+                                     static_cast<std::size_t>(source->camera().height));
+    source->read(source->size() - 1, depth.data());
   });
   return 0;
 }
