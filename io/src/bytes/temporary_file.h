@@ -1,12 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "bytes/descriptor.h"
-
 #include <filesystem>
 #include <string>
+#include <unistd.h>
+#include <utility>
 
 namespace facetloc {
+namespace files {
+
+/** \brief An open file of the operating system, closed at the end of its life. */
+class Descriptor {
+public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor() {
+    if (number_ >= 0) close(number_);
+  }
+
+  int number() const { return number_; }
+  explicit operator bool() const { return number_ >= 0; }
+
+private:
+  int number_;
+};
+
+}  // namespace files
 
 /** \brief 16 hexadecimal digits that are impossible to guess. */
 std::string randomDigits();
