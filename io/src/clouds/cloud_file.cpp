@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clouds/pcd_points.h"
-#include "clouds/ply_file.h"
+#include "clouds/point_formats.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
@@ -9,14 +8,13 @@
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <ostream>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 namespace facetloc {
@@ -53,16 +51,14 @@ std::vector<PointColour> readColours(const std::filesystem::path& path, const De
   const PcdHeader header(path);
   if (header.width() != image.camera.width || header.height() != image.camera.height) return {};
   const pcl::PCLPointCloud2 raw = readPcd(path, header);
-  const auto offsetOf = [&raw](std::string_view name, std::uint8_t type) -> std::optional<std::size_t> {
-    for (const pcl::PCLPointField& f : raw.fields)
-      if (f.name == name && f.datatype == type && f.offset + sizeof(std::uint32_t) <= raw.point_step)
-        return f.offset;
-    return std::nullopt;
+  using Field = pcl::PCLPointField;
+  const auto fieldOfType = [&raw](const char* name, std::initializer_list<int> types) {
+    const Field* field = fieldOf(raw, name);
+    return field && std::count(types.begin(), types.end(), field->datatype) > 0 ? field : nullptr;
   };
-  auto packed = offsetOf("rgb", pcl::PCLPointField::FLOAT32);
-  if (!packed) packed = offsetOf("rgb", pcl::PCLPointField::UINT32);
-  if (!packed) packed = offsetOf("rgba", pcl::PCLPointField::UINT32);
-  const auto z = offsetOf("z", pcl::PCLPointField::FLOAT32);
+  const Field *packed = fieldOfType("rgb", {Field::FLOAT32, Field::UINT32}),
+              *z = fieldOfType("z", {Field::FLOAT32});
+  if (!packed) packed = fieldOfType("rgba", {Field::UINT32});
   if (!packed || !z) return {};
   std::vector<PointColour> colours;
   std::size_t same = 0, measured = 0;
@@ -70,8 +66,8 @@ std::vector<PointColour> readColours(const std::filesystem::path& path, const De
     const std::uint8_t* point = raw.data.data() + i * raw.point_step;
     std::uint32_t value;
     float depth;
-    std::memcpy(&value, point + *packed, sizeof value);
-    std::memcpy(&depth, point + *z, sizeof depth);
+    std::memcpy(&value, point + packed->offset, sizeof value);
+    std::memcpy(&depth, point + z->offset, sizeof depth);
     colours.push_back({static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
                        static_cast<std::uint8_t>(value)});
     measured += image.depth[i] > 0;

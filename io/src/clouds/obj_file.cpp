@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // PCL's own reader writes beyond its memory if there are more normals than vertices.
-#include "clouds/obj_file.h"
-
 #include "base/text.h"
 #include "bytes/files.h"
+#include "clouds/point_formats.h"
 
 #include <pcl/conversions.h>
 #include <pcl/point_cloud.h>

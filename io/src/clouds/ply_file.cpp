@@ -1,51 +1,135 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clouds/ply_file.h"
-
-#include "base/text.h"
 #include "bytes/files.h"
-#include "bytes/word_reader.h"
-#include "clouds/ply_header.h"
+#include "clouds/point_formats.h"
 
+#include <facetloc/io/error.h>
+
+#include <pcl/common/io.h>
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace facetloc {
 namespace {
 
-template <class Number>
-double asDouble(const char* bytes) {
-  Number number;
-  std::memcpy(&number, bytes, sizeof number);
-  return static_cast<double>(number);
+using Field = pcl::PCLPointField;  // whose types of numbers serve
+
+std::size_t sizeOf(std::uint8_t type) { return static_cast<std::size_t>(pcl::getFieldSize(type)); }
+
+/** A number of each element, or a list of numbers. */
+struct PlyProperty {
+  std::string name;
+  std::uint8_t type;
+  bool is_list = false;
+  std::uint8_t length = Field::UINT8;  ///< type of a list's length
+};
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+/** The header of a PLY file, checked against the length of the data. */
+struct PlyHeader {
+  enum class Encoding { text, little_endian, big_endian };
+  /** Throws IoError with that path. \param bytes of the whole file */
+  PlyHeader(std::string_view bytes, const std::string& path);
+
+  Encoding encoding = Encoding::text;
+  std::vector<PlyElement> elements;
+  std::size_t end = 0;  ///< first byte behind the header
+};
+
+struct Type {
+  std::string_view name, other_name;
+  std::uint8_t type;
+};
+constexpr Type kTypes[] = {{"char", "int8", Field::INT8},        {"uchar", "uint8", Field::UINT8},
+                           {"short", "int16", Field::INT16},     {"ushort", "uint16", Field::UINT16},
+                           {"int", "int32", Field::INT32},       {"uint", "uint32", Field::UINT32},
+                           {"float", "float32", Field::FLOAT32}, {"double", "float64", Field::FLOAT64}};
+
+std::optional<std::uint8_t> typeNamed(std::string_view name) {
+  const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                  [&](const Type& t) { return name == t.name || name == t.other_name; });
+  return type == std::end(kTypes) ? std::nullopt : std::optional(type->type);
 }
 
-double decoded(PlyNumber type, const char* bytes) {
-  switch (type) {
-  case PlyNumber::int8:
-    return asDouble<std::int8_t>(bytes);
-  case PlyNumber::uint8:
-    return asDouble<std::uint8_t>(bytes);
-  case PlyNumber::int16:
-    return asDouble<std::int16_t>(bytes);
-  case PlyNumber::uint16:
-    return asDouble<std::uint16_t>(bytes);
-  case PlyNumber::int32:
-    return asDouble<std::int32_t>(bytes);
-  case PlyNumber::uint32:
-    return asDouble<std::uint32_t>(bytes);
-  case PlyNumber::float32:
-    return asDouble<float>(bytes);
-  default:
-    return asDouble<double>(bytes);
+PlyHeader::Encoding encodingNamed(std::string_view name, const std::string& path) {
+  if (name == "ascii") return PlyHeader::Encoding::text;
+  if (name == "binary_little_endian") return PlyHeader::Encoding::little_endian;
+  if (name == "binary_big_endian") return PlyHeader::Encoding::big_endian;
+  throw IoError(path, fmt::format("has '{}' as its format, which PLY does not know", name));
+}
+
+PlyElement elementOf(std::string_view name, std::string_view count, const std::string& path) {
+  constexpr std::size_t kMost = std::size_t(1) << 31;  // pcl::PCLPointCloud2 counts in 32 bits
+  const auto number = text::to<std::size_t>(count);
+  if (!number || *number >= kMost)
+    throw IoError(path, fmt::format("has '{}' as a number of elements in its header", count));
+  return {std::string(name), *number, {}};
+}
+
+PlyProperty propertyOf(const std::vector<std::string_view>& words, const std::string& path) {
+  const bool is_list = words[1] == "list";
+  const std::size_t size = is_list ? 5 : 3;
+  const auto type = words.size() == size ? typeNamed(words[size - 2]) : std::nullopt;
+  const auto length = is_list ? typeNamed(words[2]) : std::optional<std::uint8_t>(Field::UINT8);
+  if (!type || !length)
+    throw IoError(path, fmt::format("has a property in its header whose type PLY does not know: {}",
+                                    fmt::join(words, " ")));
+  return {std::string(words.back()), *type, is_list, *length};
+}
+
+/** \return false after the last line. */
+bool take(std::string_view line, const std::string& path, PlyHeader& header) {
+  const std::vector<std::string_view> words = text::words(line);
+  if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return true;
+  if (words[0] == "end_header") return false;
+  if (words[0] == "format" && words.size() == 3)
+    header.encoding = encodingNamed(words[1], path);
+  else if (words[0] == "element" && words.size() == 3)
+    header.elements.push_back(elementOf(words[1], words[2], path));
+  else if (words[0] == "property" && words.size() >= 3 && !header.elements.empty())
+    header.elements.back().properties.push_back(propertyOf(words, path));
+  else
+    throw IoError(path, fmt::format("has the line '{}' in its header, which is none of PLY", line));
+  return true;
+}
+
+/** Least number of bytes of all elements; a list counts with its length alone. */
+std::uint64_t leastBytes(const PlyHeader& header) {
+  std::uint64_t least = 0;
+  for (const PlyElement& element : header.elements)
+    for (const PlyProperty& property : element.properties) {
+      const bool is_text = header.encoding == PlyHeader::Encoding::text;  // a digit and a blank
+      least += element.count * (is_text ? 2 : sizeOf(property.is_list ? property.length : property.type));
+    }
+  return least > 0 && header.encoding == PlyHeader::Encoding::text ? least - 1 : least;
+}
+
+PlyHeader::PlyHeader(std::string_view bytes, const std::string& path) {
+  if (text::trimmed(bytes.substr(0, bytes.find('\n'))) != "ply")
+    throw IoError(path, "is no PLY file: its first line is not 'ply'");
+  std::size_t at = bytes.find('\n');
+  for (bool more = true; more;) {
+    const std::size_t line_end = at == std::string_view::npos ? at : bytes.find('\n', at + 1);
+    if (line_end == std::string_view::npos) throw IoError(path, "has no end of its PLY header");
+    more = take(text::trimmed(bytes.substr(at + 1, line_end - at - 1)), path, *this);
+    at = line_end;
   }
+  end = at + 1;
+  if (leastBytes(*this) > bytes.size() - end)
+    throw IoError(path, fmt::format("is cut off: its header promises at least {} bytes, {} are there",
+                                    leastBytes(*this), bytes.size() - end));
 }
 
 /** The numbers behind a header, one after the other. All of them are exact as doubles. */
@@ -54,9 +138,9 @@ public:
   PlyNumbers(std::string_view rest, PlyHeader::Encoding encoding, const std::string& path)
       : rest_(rest), encoding_(encoding), path_(path) {}
 
-  double next(PlyNumber type) { return encoding_ == PlyHeader::Encoding::text ? word() : binary(type); }
+  double next(std::uint8_t type) { return encoding_ == PlyHeader::Encoding::text ? word() : binary(type); }
   /** Throws IoError unless that number of values may follow. */
-  void requireRoomFor(std::size_t n, PlyNumber type) const {
+  void requireRoomFor(std::size_t n, std::uint8_t type) const {
     if (n > rest_.size() / (encoding_ == PlyHeader::Encoding::text ? 1 : sizeOf(type))) failCutOff();
   }
 
@@ -73,7 +157,7 @@ private:
     if (!number) throw IoError(path_, fmt::format("has '{}' where its header promises a number", word));
     return *number;
   }
-  double binary(PlyNumber type) {
+  double binary(std::uint8_t type) {
     const std::size_t size = sizeOf(type);
     if (rest_.size() < size) failCutOff();
     std::array<char, sizeof(double)> bytes{};
@@ -81,7 +165,7 @@ private:
     if (encoding_ == PlyHeader::Encoding::big_endian)
       std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
     rest_.remove_prefix(size);
-    return decoded(type, bytes.data());
+    return numberAt(type, bytes.data());
   }
 
   std::string_view rest_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clouds/stl_file.h"
-
 #include "bytes/files.h"
-#include "bytes/word_reader.h"
+#include "clouds/point_formats.h"
 
 #include <pcl/conversions.h>
 #include <pcl/point_cloud.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bytes/files.h"
 #include "clouds/cloud_axes.h"
-#include "clouds/pcd_points.h"
+#include "clouds/point_formats.h"
 #include "images/depth_file.h"
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"
@@ -15,12 +15,9 @@
 #include <facetloc/io/png.h>
 #include <facetloc/io/segment_file.h>
 
-#include <pcl/PCLPointCloud2.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <fmt/format.h>
 
 namespace facetloc {
@@ -170,38 +167,6 @@ void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, d
 
 namespace {
 
-/** One coordinate of a cloud of any point type. */
-class Coordinate {
-public:
-  Coordinate(const pcl::PCLPointCloud2& cloud, const char* name, const std::string& path) : cloud_(cloud) {
-    const auto field = std::find_if(cloud.fields.begin(), cloud.fields.end(),
-                                    [name](const pcl::PCLPointField& f) { return f.name == name; });
-    if (field == cloud.fields.end()) throw IoError(path, std::string("has no field ") + name);
-    is_double_ = field->datatype == pcl::PCLPointField::FLOAT64;
-    if (!is_double_ && field->datatype != pcl::PCLPointField::FLOAT32)
-      throw IoError(path, fmt::format("has a field {} that is not of floating point", name));
-    offset_ = field->offset;
-    if (offset_ + (is_double_ ? sizeof(double) : sizeof(float)) > cloud.point_step)
-      throw IoError(path, "has a corrupt header");
-  }
-  float of(std::size_t point) const {
-    const std::uint8_t* bytes = cloud_.data.data() + point * cloud_.point_step + offset_;
-    return is_double_ ? static_cast<float>(as<double>(bytes)) : as<float>(bytes);
-  }
-
-private:
-  template <typename T>
-  static T as(const std::uint8_t* bytes) {
-    T value;
-    std::memcpy(&value, bytes, sizeof value);
-    return value;
-  }
-
-  const pcl::PCLPointCloud2& cloud_;
-  bool is_double_ = false;
-  std::size_t offset_ = 0;
-};
-
 internal::FileCloud readOrganizedPoints(const fs::path& path) {
   const PcdHeader header(path);
   if (header.height() < 2 || header.width() < 2)
@@ -209,10 +174,18 @@ internal::FileCloud readOrganizedPoints(const fs::path& path) {
                   fmt::format("is not an organized cloud ({}x{})", header.width(), header.height()));
   internal::FileCloud cloud;
   const pcl::PCLPointCloud2 raw = readPcd(path, header, &cloud.viewpoint);
-  const Coordinate x(raw, "x", path.string()), y(raw, "y", path.string()), z(raw, "z", path.string());
+  const auto coordinate = [&](const char* name) {
+    const pcl::PCLPointField* field = fieldOf(raw, name);
+    if (!field) throw IoError(path.string(), std::string("has no field ") + name);
+    if (!isFloatingPoint(*field))
+      throw IoError(path.string(), fmt::format("has a field {} that is not of floating point", name));
+    return [&raw, type = field->datatype, offset = field->offset](std::size_t point) {
+      return static_cast<float>(numberAt(type, raw.data.data() + point * raw.point_step + offset));
+    };
+  };
+  const auto x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
   cloud.points = pcl::PointCloud<pcl::PointXYZ>(header.width(), header.height());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i)
-    cloud.points[i] = pcl::PointXYZ(x.of(i), y.of(i), z.of(i));
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) cloud.points[i] = pcl::PointXYZ(x(i), y(i), z(i));
   cloud.points.is_dense = false;
   return cloud;
 }
