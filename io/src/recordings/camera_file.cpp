@@ -25,79 +25,67 @@ constexpr double kLargestSide = 65535;  // [px]
 constexpr double kLargest = 1e6;        // bound of focal lengths and centres [px], generously
 constexpr double kLargestLens = 1e4;    // bound of coefficients of a lens, generously
 
+/** Numbers of a file; null for one of a mounting that it lacks. */
+using Field = double* (*)(CameraFile& file);
+template <auto Member>
+double* lens(CameraFile& file) {
+  return &(file.lens.*Member);
+}
+template <auto Member>
+double* mounted(CameraFile& file) {
+  return file.camera.mounting ? &((*file.camera.mounting).*Member) : nullptr;
+}
+template <auto Member>
+double* noise(CameraFile& file) {
+  return &(file.camera.noise.*Member);
+}
+double* maxDepth(CameraFile& file) { return &file.camera.max_depth; }
+
+enum class Kind { whole, required, optional };  // whole numbers are required
+
 struct Key {
   std::string_view name;
-  double lowest;
-  double highest;
-  bool whole;
-  bool required;
+  double lowest, highest;
+  Kind kind = Kind::optional;
+  Field field = nullptr;
 };
 
+/** The order is the one of written files. */
 constexpr Key kKeys[] = {
-    {"width", 1, kLargestSide, true, true},
-    {"height", 1, kLargestSide, true, true},
-    {"fx", kPositive, kLargest, false, true},
-    {"fy", -kLargest, kLargest, false, true},
-    {"cx", -kLargest, kLargest, false, true},
-    {"cy", -kLargest, kLargest, false, true},
-    {"depth_scale", kPositive, 1e9, false, true},
-    {"mount_height", 0, 100, false, false},
-    {"mount_tilt_deg", -90, 90, false, false},
-    {"mount_roll_deg", -180, 180, false, false},
-    {"mount_pan_deg", -180, 180, false, false},
-    {"mount_x", -100, 100, false, false},
-    {"mount_y", -100, 100, false, false},
-    {"max_depth", 0.1, 1e3, false, false},
-    {"distortion_offset", 0, 1, false, false},
-    {"distortion_slope", 0, 1, false, false},
-    {"inverse_depth_std", DepthNoise::kLeastInverseDepthStd, DepthNoise::kLargestInverseDepthStd, false,
-     false},
-    {"depth_std", 0, DepthNoise::kLargestDepthStd, false, false},
-    {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, false, false},
-    {"correlation_px", 0, SensorNoise::kLargestCorrelation, false, false},
-    {"k1", -kLargestLens, kLargestLens, false, false},
-    {"k2", -kLargestLens, kLargestLens, false, false},
-    {"k3", -kLargestLens, kLargestLens, false, false},
-    {"k4", -kLargestLens, kLargestLens, false, false},
-    {"k5", -kLargestLens, kLargestLens, false, false},
-    {"k6", -kLargestLens, kLargestLens, false, false},
-    {"p1", -kLargestLens, kLargestLens, false, false},
-    {"p2", -kLargestLens, kLargestLens, false, false},
+    {"width", 1, kLargestSide, Kind::whole},
+    {"height", 1, kLargestSide, Kind::whole},
+    {"fx", kPositive, kLargest, Kind::required},
+    {"fy", -kLargest, kLargest, Kind::required},
+    {"cx", -kLargest, kLargest, Kind::required},
+    {"cy", -kLargest, kLargest, Kind::required},
+    {"depth_scale", kPositive, 1e9, Kind::required},
+    {"k1", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k1>},
+    {"k2", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k2>},
+    {"k3", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k3>},
+    {"k4", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k4>},
+    {"k5", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k5>},
+    {"k6", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k6>},
+    {"p1", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::p1>},
+    {"p2", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::p2>},
+    {"mount_height", 0, 100, Kind::optional, mounted<&CameraMounting::height>},
+    {"mount_tilt_deg", -90, 90, Kind::optional, mounted<&CameraMounting::tilt_deg>},
+    {"mount_roll_deg", -180, 180, Kind::optional, mounted<&CameraMounting::roll_deg>},
+    {"mount_pan_deg", -180, 180, Kind::optional, mounted<&CameraMounting::pan_deg>},
+    {"mount_x", -100, 100, Kind::optional, mounted<&CameraMounting::x>},
+    {"mount_y", -100, 100, Kind::optional, mounted<&CameraMounting::y>},
+    {"inverse_depth_std", DepthNoise::kLeastInverseDepthStd, DepthNoise::kLargestInverseDepthStd,
+     Kind::optional, noise<&SensorNoise::inverse_depth_std>},
+    {"depth_std", 0, DepthNoise::kLargestDepthStd, Kind::optional, noise<&SensorNoise::depth_std>},
+    {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, Kind::optional,
+     noise<&SensorNoise::depth_std_slope>},
+    {"distortion_offset", 0, 1, Kind::optional, noise<&SensorNoise::distortion_offset>},
+    {"distortion_slope", 0, 1, Kind::optional, noise<&SensorNoise::distortion_slope>},
+    {"correlation_px", 0, SensorNoise::kLargestCorrelation, Kind::optional,
+     noise<&SensorNoise::correlation_px>},
+    {"max_depth", 0.1, 1e3, Kind::optional, maxDepth},
 };
 constexpr std::string_view kPreset = "camera", kDepthIs = "depth_is";  // the keys whose values are words
 constexpr std::string_view kZ = "z", kDistance = "distance";
-
-/** The keys of a mounting that need not be given with it, and their fields. */
-struct MountingKey {
-  const char* name;
-  double CameraMounting::*value;
-};
-constexpr MountingKey kMountingKeys[] = {{"mount_roll_deg", &CameraMounting::roll_deg},
-                                         {"mount_pan_deg", &CameraMounting::pan_deg},
-                                         {"mount_x", &CameraMounting::x},
-                                         {"mount_y", &CameraMounting::y}};
-
-/** The keys of a camera's noise, and their fields. */
-struct NoiseKey {
-  const char* name;
-  double SensorNoise::*value;
-};
-constexpr NoiseKey kNoiseKeys[] = {{"inverse_depth_std", &SensorNoise::inverse_depth_std},
-                                   {"depth_std", &SensorNoise::depth_std},
-                                   {"depth_std_slope", &SensorNoise::depth_std_slope},
-                                   {"distortion_offset", &SensorNoise::distortion_offset},
-                                   {"distortion_slope", &SensorNoise::distortion_slope},
-                                   {"correlation_px", &SensorNoise::correlation_px}};
-
-/** The keys of a lens, and their fields. */
-struct LensKey {
-  const char* name;
-  double LensDistortion::*value;
-};
-constexpr LensKey kLensKeys[] = {{"k1", &LensDistortion::k1}, {"k2", &LensDistortion::k2},
-                                 {"k3", &LensDistortion::k3}, {"k4", &LensDistortion::k4},
-                                 {"k5", &LensDistortion::k5}, {"k6", &LensDistortion::k6},
-                                 {"p1", &LensDistortion::p1}, {"p2", &LensDistortion::p2}};
 
 using Values = std::map<std::string_view, double>;
 
@@ -120,26 +108,24 @@ std::string spaced(std::string_view line) {
   return out;
 }
 
+/** The camera of the preset, or without a preset, the default. */
+Camera usualCamera(const CameraPreset* preset) { return preset ? preset->camera() : Camera(); }
+
 class Parser {
 public:
   explicit Parser(std::string path) : path_(std::move(path)) {}
 
-  Values parse(const CameraKeys& pairs) {
+  CameraFile parse(const CameraKeys& pairs) {
     for (const auto& [key, value] : pairs) store(key, value);
-    requireComplete();
-    return values_;
+    return cameraFile();
   }
-  Values parse(std::string_view content) {
+  CameraFile parse(std::string_view content) {
     for (const std::string_view line : text::lines(content)) {
       ++line_;
       parseLine(spaced(text::withoutComment(line)));
     }
-    requireComplete();
-    return values_;
+    return cameraFile();
   }
-  /** Null if the file names none. */
-  const CameraPreset* preset() const { return preset_; }
-  DepthKind depthKind() const { return depth_kind_.value_or(DepthKind::z); }
 
 private:
   [[noreturn]] void fail(const std::string& cause) const {
@@ -162,8 +148,8 @@ private:
     if (!key) fail(fmt::format("unknown key '{}' (known: {})", name, knownKeys()));
     const auto value = text::to<double>(word);
     if (!value) fail(fmt::format("'{}' is not a number ({})", word, name));
-    if (!(*value >= key->lowest && *value <= key->highest) || (key->whole && *value != std::floor(*value)) ||
-        (name == "fy" && *value == 0))
+    if (!(*value >= key->lowest && *value <= key->highest) ||
+        (key->kind == Kind::whole && *value != std::floor(*value)) || (name == "fy" && *value == 0))
       fail(fmt::format("{} = {} is impossible{}", name, word, advice(*key)));
     if (!values_.emplace(key->name, *value).second) fail(fmt::format("{} is given twice", name));
   }
@@ -188,23 +174,45 @@ private:
 
   /** Valid values of a number that may be left out. */
   static std::string advice(const Key& key) {
-    if (key.required) return {};
+    if (key.kind != Kind::optional) return {};
     return fmt::format(": it must lie in [{}, {}], or the key be left out", text::shortest(key.lowest),
                        text::shortest(key.highest));
   }
 
   void requireComplete() const {
     for (const Key& key : kKeys)
-      if (key.required && !values_.count(key.name)) throw IoError(path_, fmt::format("has no {}", key.name));
+      if (key.kind != Kind::optional && !values_.count(key.name))
+        throw IoError(path_, fmt::format("has no {}", key.name));
     constexpr double kMostOblong = 2;  // aspect of a pixel, whichever way the y axis points
     const double fy = values_.at("fy");
     if (fy < 0 && !(-fy <= kMostOblong * values_.at("fx") && -fy >= values_.at("fx") / kMostOblong))
       throw IoError(path_, fmt::format("fy = {} is impossible", text::shortest(fy)));
     if (values_.count("mount_height") != values_.count("mount_tilt_deg"))
       throw IoError(path_, "has only one of mount_height and mount_tilt_deg");
-    for (const MountingKey& key : kMountingKeys)
-      if (values_.count(key.name) && !values_.count("mount_height"))
+    for (const Key& key : kKeys)
+      if (key.name.rfind("mount_", 0) == 0 && values_.count(key.name) && !values_.count("mount_height"))
         throw IoError(path_, fmt::format("has {}, but not mount_height and mount_tilt_deg", key.name));
+  }
+
+  CameraFile cameraFile() const {
+    requireComplete();
+    const Values& v = values_;
+    CameraFile file;
+    file.camera = usualCamera(preset_);
+    if (preset_) file.preset = preset_->name;
+    file.y_axis_up = v.at("fy") < 0;
+    file.camera.intrinsics = {static_cast<int>(v.at("width")),
+                              static_cast<int>(v.at("height")),
+                              v.at("fx"),
+                              std::abs(v.at("fy")),
+                              v.at("cx"),
+                              v.at("cy")};
+    file.depth_scale = v.at("depth_scale");
+    if (v.count("mount_height")) file.camera.mounting.emplace();
+    for (const auto& [name, value] : v)
+      if (const Field field = findKey(name)->field) *field(file) = value;
+    file.depth_is = depth_kind_.value_or(DepthKind::z);
+    return file;
   }
 
   std::string path_;
@@ -213,35 +221,6 @@ private:
   const CameraPreset* preset_ = nullptr;
   std::optional<DepthKind> depth_kind_;
 };
-
-/** The camera of the preset, or without a preset, the default. */
-Camera usualCamera(const CameraPreset* preset) { return preset ? preset->camera() : Camera(); }
-
-/** Camera file of parsed values. */
-CameraFile cameraOf(const Parser& parser, const Values& v) {
-  CameraFile file;
-  if (parser.preset()) file.preset = parser.preset()->name;
-  Camera& camera = file.camera;
-  camera = usualCamera(parser.preset());
-  file.y_axis_up = v.at("fy") < 0;
-  camera.intrinsics = {static_cast<int>(v.at("width")),
-                       static_cast<int>(v.at("height")),
-                       v.at("fx"),
-                       std::abs(v.at("fy")),
-                       v.at("cx"),
-                       v.at("cy")};
-  file.depth_scale = v.at("depth_scale");
-  if (v.count("mount_height")) camera.mounting = CameraMounting{v.at("mount_height"), v.at("mount_tilt_deg")};
-  for (const auto& [name, value] : kMountingKeys)
-    if (v.count(name)) (*camera.mounting).*value = v.at(name);
-  for (const auto& [name, value] : kNoiseKeys)
-    if (v.count(name)) camera.noise.*value = v.at(name);
-  if (v.count("max_depth")) camera.max_depth = v.at("max_depth");
-  for (const auto& [name, value] : kLensKeys)
-    if (v.count(name)) file.lens.*value = v.at(name);
-  file.depth_is = parser.depthKind();
-  return file;
-}
 
 const std::string* find(const CameraKeys& keys, std::string_view name) {
   const auto found =
@@ -276,16 +255,11 @@ CameraFile cameraOfKeys(CameraKeys keys, const std::string& name) {
   constexpr const char* kMillimetres = "1000";
   if (!find(keys, "depth_scale")) keys.emplace_back("depth_scale", kMillimetres);
   addIntrinsics(keys, name);
-  Parser parser(name);
-  const Values values = parser.parse(keys);
-  return cameraOf(parser, values);
+  return Parser(name).parse(keys);
 }
 
 CameraFile readCameraFile(const std::filesystem::path& path) {
-  const std::string content = files::readText(path);
-  Parser parser(path.string());
-  const Values values = parser.parse(content);
-  return cameraOf(parser, values);
+  return Parser(path.string()).parse(files::readText(path));
 }
 
 void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) {
@@ -295,28 +269,25 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) 
   const CameraPreset* preset = findCameraPreset(file.preset);
   if (!file.preset.empty() && !preset)
     throw std::invalid_argument("writeCameraFile: there is no camera " + file.preset);
-  const Camera usual = usualCamera(preset);
+  CameraFile written = file, usual;
+  usual.camera = usualCamera(preset);
+  if (camera.mounting)
+    usual.camera.mounting = CameraMounting{NAN, NAN};  // which are written, whatever they are
   writeTextAtomically(path, [&](std::ostream& out) {
     const Intrinsics& k = camera.intrinsics;
     out << "width=" << k.width << "\nheight=" << k.height << "\n";
-    const auto line = [&out](const char* key, double value) {
+    const auto line = [&out](std::string_view key, double value) {
       out << key << "=" << text::shortest(value) << "\n";
     };
     line("fx", k.fx), line("fy", file.y_axis_up ? -k.fy : k.fy), line("cx", k.cx), line("cy", k.cy);
     line("depth_scale", file.depth_scale);
-    for (const auto& [name, value] : kLensKeys)
-      if (file.lens.*value != 0) line(name, file.lens.*value);
-    if (file.depth_is == DepthKind::distance) out << kDepthIs << "=" << kDistance << "\n";
-    if (camera.mounting) {
-      line("mount_height", camera.mounting->height);
-      line("mount_tilt_deg", camera.mounting->tilt_deg);
-      for (const auto& [name, value] : kMountingKeys)
-        if ((*camera.mounting).*value != 0) line(name, (*camera.mounting).*value);
+    for (const Key& key : kKeys) {
+      if (key.name == "mount_height" && file.depth_is == DepthKind::distance)
+        out << kDepthIs << "=" << kDistance << "\n";
+      if (key.name == "inverse_depth_std" && preset) out << kPreset << "=" << preset->name << "\n";
+      const double* value = key.field ? key.field(written) : nullptr;
+      if (value && *value != *key.field(usual)) line(key.name, *value);
     }
-    if (preset) out << kPreset << "=" << preset->name << "\n";
-    for (const auto& [name, value] : kNoiseKeys)
-      if (camera.noise.*value != usual.noise.*value) line(name, camera.noise.*value);
-    if (camera.max_depth != usual.max_depth) line("max_depth", camera.max_depth);
   });
 }
 
