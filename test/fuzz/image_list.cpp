@@ -5,7 +5,6 @@
 #include "base/text.h"
 #include "fuzz_file.h"
 #include "recordings/name_numbers.h"
-#include "recordings/time_units.h"
 
 #include <facetloc/io/error.h>
 

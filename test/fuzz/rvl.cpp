@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as an RVL image.
-#include "recordings/rvl.h"
-
 #include "fuzz_file.h"
+#include "recordings/depth_messages.h"
 
 #include <facetloc/io/error.h>
 

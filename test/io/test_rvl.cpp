@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/rvl.h"
+#include "recordings/depth_messages.h"
 #include "temporary_folder.h"
 
 #include <gmock/gmock.h>

@@ -31,4 +31,13 @@ StoredDepth readDepth(const CompressedImageMessage& image, const std::string& na
  * 65535 of which are not measured. */
 DepthImage depthImageOf(StoredDepth values, double scale);
 
+/** \brief An image from its RVL code (Wilson, Fast Lossless Depth Image Compression, 2017), in front of which
+ * are its width and height, as compressedDepth of ROS and RTAB-Map have it.
+ *
+ * Runs alternate: a number of zeros, a number of other values, each of these as its difference to the one
+ * before. Numbers are coded in nibbles, three bits each from the lowest on, the fourth says that another one
+ * follows; nibbles fill little-endian words of 32 bits from the top. Differences d are coded as 2d, or as -2d
+ * - 1 if they are negative. Throws IoError for a code of another number of pixels. \param name in errors */
+StoredDepth readRvl(ByteView bytes, const std::string& name);
+
 }  // namespace facetloc::internal

@@ -2,8 +2,8 @@
 #include "base/text.h"
 #include "bytes/files.h"
 #include "bytes/plausible.h"
+#include "recordings/name_numbers.h"
 #include "recordings/pose_header.h"
-#include "recordings/time_units.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>

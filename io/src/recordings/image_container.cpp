@@ -3,8 +3,6 @@
 
 #include "recordings/image_list.h"
 #include "recordings/message_file.h"
-#include "recordings/message_recording.h"
-#include "recordings/rtabmap_database.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>

@@ -44,9 +44,23 @@ public:
 
 /** \brief Is it one, by its name or, of a folder, by what is in it? */
 bool isContainer(const std::filesystem::path& path);
-/** \brief Throws IoError. \param topic of messages: which of their images (message_recording.h) */
+/** \brief Throws IoError. \param topic of messages: which of their images (openMessageRecording()) */
 std::shared_ptr<const ImageContainer> openContainer(const std::filesystem::path& path,
                                                     const std::string& topic);
+/** \brief The depth images of a recording of messages: sensor_msgs/Image with 16UC1, mono16 [mm] or 32FC1
+ * [m], or CompressedImage of the format compressedDepth, and the CameraInfo that belongs to them, as ROS's
+ * drivers and RealSense's own recorder have them.
+ * \param topic empty = of several, the one that is called depth and has the most images, and of one that is
+ * there plain and compressed, the plain one
+ * Throws IoError. */
+std::shared_ptr<const ImageContainer> openMessageRecording(const std::filesystem::path& path,
+                                                           const std::string& topic);
+
+/** \brief The depth images of a database of RTAB-Map (0.12 or newer), with the poses of its optimised graph,
+ * or of its odometry where no graph was saved, and the camera of its first image. Throws IoError, also for
+ * stereo images and for several cameras in one image. */
+std::shared_ptr<const ImageContainer> openRtabmapDatabase(const std::filesystem::path& path);
+
 /** \brief The poses in such a recording: those of its images, or an odometry (message_poses.h). Throws
  * IoError. \param camera_frame as tf calls it; empty if poses are wanted as they are */
 ReadPoses readContainerPoses(const std::filesystem::path& path, const std::string& camera_frame);

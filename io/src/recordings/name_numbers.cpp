@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/name_numbers.h"
 
+#include "base/median.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -16,7 +17,6 @@ namespace {
 bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 bool isLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
 bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
-char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
 /** Seconds since 1970 of a date and time in a name, as if its clock had shown universal time:
  * 20121214T142255.814212, 2023-05-14_10-12-33, 2023.05.14 10:12:33,25. */
@@ -91,6 +91,39 @@ bool isPadded(const std::string& number) {
   return number.size() > 1 && number[0] == '0' && number.find('.') == std::string::npos;
 }
 
+constexpr double kNanoseconds = 1e-9, kMicroseconds = 1e-6, kMilliseconds = 1e-3;
+constexpr double kFirstEpoch = 1e9, kLastEpoch = 2.5e9;  // [s] of clocks since 1970: from 2001 to 2049
+
+/** Without those that are zero. */
+std::vector<double> stepsOf(std::vector<double> numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < numbers.size(); ++i)
+    if (numbers[i] > numbers[i - 1]) steps.push_back(numbers[i] - numbers[i - 1]);
+  return steps;
+}
+
+bool areWhole(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double n) { return n == std::floor(n); });
+}
+
+template <typename Condition>
+bool mostOf(const std::vector<double>& values, Condition holds) {
+  return 2 * std::count_if(values.begin(), values.end(), holds) >= static_cast<std::ptrdiff_t>(values.size());
+}
+
+/** True for a clock with the steps of a camera, 33, 34, 33; not 10, 10, 20 of each tenth image. */
+bool jitter(const std::vector<double>& steps) {
+  constexpr double kShortest = 5, kLongest = 1000, kNear = 0.2;
+  constexpr std::size_t kEnough = 3;
+  if (steps.size() < kEnough) return false;
+  const double usual = internal::median(steps);
+  if (usual < kShortest || usual > kLongest) return false;
+  const bool multiples =
+      std::all_of(steps.begin(), steps.end(), [&](double s) { return std::fmod(s, usual) == 0; });
+  return !multiples && mostOf(steps, [&](double s) { return std::abs(s - usual) <= kNear * usual; });
+}
+
 }  // namespace
 
 std::optional<double> stampInName(const std::string& name) {
@@ -127,8 +160,7 @@ std::optional<NameNumbers> numbersInNames(const std::vector<std::string>& names)
 
 bool hasWord(const std::string& name, const std::string& word) {
   const auto isLetter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
-  std::string folded = name;
-  std::transform(folded.begin(), folded.end(), folded.begin(), lower);
+  const std::string folded = text::lower(name);
   for (auto at = folded.find(word); at != std::string::npos; at = folded.find(word, at + 1)) {
     const std::size_t end = at + word.size();
     const bool begins = at == 0 || !isLetter(name[at - 1]) || (isLower(name[at - 1]) && isUpper(name[at]));
@@ -137,6 +169,44 @@ bool hasWord(const std::string& name, const std::string& word) {
     if (begins && ends) return true;
   }
   return false;
+}
+
+std::string TimeUnit::toString() const {
+  if (counted) return "numbers";
+  if (seconds == kNanoseconds) return "nanoseconds";
+  if (seconds == kMicroseconds) return "microseconds";
+  return seconds == kMilliseconds ? "milliseconds" : "seconds";
+}
+
+TimeUnit unitOfStamps(std::vector<double> stamps) {
+  constexpr double kMostMilliseconds = 1e14, kMostMicroseconds = 1e17, kMostSeconds = 1e11;
+  constexpr double kLongStep = 2e3, kVeryLongStep = 2e6;
+  stamps.erase(std::remove_if(stamps.begin(), stamps.end(), [](double s) { return !std::isfinite(s); }),
+               stamps.end());
+  if (stamps.empty()) return {};
+  const auto [first, last] = std::minmax_element(stamps.begin(), stamps.end());
+  const double largest = std::max(std::abs(*first), std::abs(*last));
+  if (largest >= kMostMicroseconds) return {kNanoseconds};
+  if (largest >= kMostMilliseconds) return {kMicroseconds};
+  if (largest >= kMostSeconds) return {kMilliseconds};
+  const std::vector<double> steps = stepsOf(stamps);
+  const bool of_epoch = *first >= kFirstEpoch && *last <= kLastEpoch;
+  if (steps.empty() || of_epoch || !areWhole(stamps)) return {};
+  const double usual = internal::median(steps);
+  if (usual >= kVeryLongStep) return {kNanoseconds};
+  return {usual >= kLongStep ? kMicroseconds : 1};
+}
+
+TimeUnit unitOfNumbers(const std::vector<double>& numbers, bool decimal, bool padded) {
+  const TimeUnit unit = unitOfStamps(numbers);
+  if (unit.seconds != 1 || numbers.empty() || decimal || !areWhole(numbers)) return unit;
+  const auto [first, last] = std::minmax_element(numbers.begin(), numbers.end());
+  if (*first < 0 || *last >= kFirstEpoch) return unit;
+  if (padded) return {1 / kFrameRate, true};
+  const std::vector<double> steps = stepsOf(numbers);
+  if (steps.empty()) return unit;
+  if (jitter(steps)) return {kMilliseconds};
+  return {1 / kFrameRate, true};
 }
 
 }  // namespace facetloc::internal

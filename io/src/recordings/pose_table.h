@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "recordings/time_units.h"
+#include "recordings/name_numbers.h"
 
 #include <Eigen/Geometry>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "recordings/name_numbers.h"
 #include "recordings/pose_table.h"
-#include "recordings/time_units.h"
 
 #include <facetloc/io/pose_reading.h>
 #include <facetloc/io/trajectory.h>

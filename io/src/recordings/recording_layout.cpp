@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "recordings/name_numbers.h"
-#include "recordings/pose_files.h"
 
 #include <facetloc/io/error.h>
 
@@ -37,6 +36,48 @@ std::optional<int> countAtEndOf(const std::string& name) {
 void setStamp(FrameFile& frame, double stamp) {
   frame.stamp = stamp;
   frame.name = nameOfStamp(stamp);
+}
+
+constexpr int kNoPoses = 9;
+
+/** The less, the likelier are they the poses of the images. */
+int rankOf(const fs::path& file) {
+  const std::string extension = lowerExtension(file);
+  if (extension != ".txt" && extension != ".csv" && extension != ".log" && extension != ".tum")
+    return kNoPoses;
+  const std::string name = text::lower(file.stem().string());
+  const auto has = [&name](const char* word) { return name.find(word) != std::string::npos; };
+  if (has("groundtruth") || has("ground_truth") || name == "gt" || endsWith(name, "_gt")) return 0;
+  if (has("robot") || has("keyframe")) return kNoPoses;
+  if (has("camera_pose") || has("cameratrajectory") || has("camera_trajectory")) return 1;
+  if (has("pose")) return 2;
+  if (has("traj")) return 3;
+  return name == "odometry" && extension == ".csv" ? 4 : kNoPoses;
+}
+
+bool hasPoses(const fs::path& file) {
+  try {
+    return !readPoseTable(file).rows.empty();
+  } catch (const IoError&) {
+    return false;
+  }
+}
+
+/** The file of a recording's folders that has poses by its name, and can be read as such: first
+ * those of a ground truth, then poses of a camera, then other poses, then trajectories, then the odometry.csv
+ * of phones. */
+std::optional<fs::path> trajectoryIn(const std::vector<fs::path>& folders) {
+  for (const fs::path& folder : folders) {
+    std::vector<std::pair<int, fs::path>> found;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (const int rank = rankOf(entry.path()); rank < kNoPoses && entry.is_regular_file(ignored))
+        found.emplace_back(rank, entry.path());
+    std::sort(found.begin(), found.end());
+    for (const auto& [rank, file] : found)
+      if (hasPoses(file)) return file;
+  }
+  return {};
 }
 
 /** The images of a folder, by the layouts from the most to the least peculiar. */
