@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "images/depth_file.h"
+
 #include <facetloc/features/hole_grid.h>
 #include <facetloc/io/frame_source.h>
 
-#include <algorithm>
-
 namespace facetloc {
-namespace {
-
-constexpr std::uint16_t kNotMeasured = 65535;  // beside 0
-
-}  // namespace
 
 DepthImage FrameConverter::operator()(const DepthFrame& frame) {
   DepthImage image;
   image.camera = frame.camera->camera.intrinsics;
   if (frame.values.size() != static_cast<std::size_t>(image.camera.width) * image.camera.height) return {};
-  image.depth.resize(frame.values.size());
-  std::transform(frame.values.begin(), frame.values.end(), image.depth.begin(), [&](std::uint16_t value) {
-    return value == kNotMeasured ? 0 : static_cast<float>(value / frame.camera->depth_scale);
-  });
+  image.depth = metresOf(frame.values, frame.camera->depth_scale);
   return (*this)(std::move(image), frame.camera);
 }
 

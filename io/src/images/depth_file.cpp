@@ -18,14 +18,10 @@ namespace fs = std::filesystem;
 
 StoredDepth readPng(const fs::path& path) {
   constexpr int kBits = 16;
-  Raster<std::uint16_t> raster = readGreyPng(path, kBits);
-  return {raster.width, raster.height, {}, std::move(raster.data)};
+  return storedIn(readGreyPng(path, kBits));
 }
 
-StoredDepth readPacked(const fs::path& path) {
-  Raster<std::uint16_t> raster = readPclzf(path);
-  return {raster.width, raster.height, {}, std::move(raster.data)};
-}
+StoredDepth readPacked(const fs::path& path) { return storedIn(readPclzf(path)); }
 
 struct Format {
   const char* ending;
@@ -60,6 +56,14 @@ void toMetres(std::vector<float>& values) {
 }
 
 }  // namespace
+
+std::vector<float> metresOf(const std::vector<std::uint16_t>& values, double scale) {
+  std::vector<float> metres(values.size());
+  std::transform(values.begin(), values.end(), metres.begin(), [scale](std::uint16_t value) {
+    return value == kNotMeasured ? 0 : static_cast<float>(value / scale);
+  });
+  return metres;
+}
 
 const std::vector<const char*>& depthFileEndings() {
   static const std::vector<const char*> endings = [] {

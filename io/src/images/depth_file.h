@@ -6,10 +6,14 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 /** \file
- * Depth images in files of one image each, but for clouds. Private to io. */
+ * Depth images in files of one image each, but for clouds, and images of other files. All functions throw
+ * IoError. Private to io. */
 
 namespace facetloc {
 
@@ -21,8 +25,19 @@ struct StoredDepth {
   std::vector<std::uint16_t> numbers{};  ///< values of others, by the depth scale; or empty
 };
 
+constexpr std::uint16_t kNotMeasured = 65535;  ///< value beside 0, of 7-Scenes and some drivers
+
+/** \brief The values of a raster. */
+inline StoredDepth storedIn(Raster<std::uint16_t> raster) {
+  return {raster.width, raster.height, {}, std::move(raster.data)};
+}
+/** \brief Depth by values and their scale [1/m]; 0 where it was not measured. */
+std::vector<float> metresOf(const std::vector<std::uint16_t>& values, double scale);
+
 /** \brief The size of an image that a file may promise at most [px]. */
 constexpr std::uint64_t kMostPixels = 1ull << 26;
+/** \brief Throws IoError for an image without pixels, or with more than any has. */
+void requireSize(const std::string& source, std::uint64_t width, std::uint64_t height);
 
 /** \brief Endings of such files, ".png" first. */
 const std::vector<const char*>& depthFileEndings();
@@ -35,7 +50,7 @@ std::optional<PngSize> depthFileSize(const std::filesystem::path& path);
  * beyond 100 m, and may be negative throughout. Throws IoError. */
 StoredDepth readDepthValues(const std::filesystem::path& path);
 
-// Formats. All throw IoError.
+// Formats.
 
 /** \brief One image of one channel: 16 bits, or floating point of 32 or 64 bits. */
 StoredDepth readTiff(const std::filesystem::path& path);
@@ -46,5 +61,28 @@ StoredDepth readNpy(const std::filesystem::path& path);
 StoredDepth readPgm(const std::filesystem::path& path);
 /** \brief Portable float maps of one channel, Pf, whose rows are stored from the bottom up. */
 StoredDepth readPfm(const std::filesystem::path& path);
+
+// PNGs that are part of another file.
+
+/** \brief As readGreyPng() of a file. \param name of the PNG in errors */
+Raster<std::uint16_t> readGreyPng(const std::uint8_t* data, std::size_t size, const std::string& name,
+                                  int min_bits);
+
+/** \brief A PNG of 8 bits with four channels: red, green, blue, alpha. */
+Raster<std::uint8_t> readRgbaPng(const std::uint8_t* data, std::size_t size, const std::string& name);
+/** \brief Is it one with these four channels, by its head? */
+bool isRgbaPng(const std::uint8_t* data, std::size_t size);
+
+/** \brief A grey image and the value that is white in it. */
+struct Greymap {
+  Raster<std::uint16_t> image;
+  int white = 255;
+};
+
+/** \brief Parses a PGM of 8 or 16 bits, binary (P5) or in decimal numbers (P2). Throws IoError. */
+Greymap parsePgm(const std::string& source, std::string_view bytes);
+
+/** \brief Writes a binary PGM of 8 bits, atomically. Throws IoError. */
+void writePgm(const std::filesystem::path& path, const Raster<std::uint8_t>& image);
 
 }  // namespace facetloc

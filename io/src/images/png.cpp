@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bytes/files.h"
-#include "images/png_memory.h"
+#include "images/depth_file.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -18,7 +18,6 @@ namespace facetloc {
 namespace {
 
 constexpr int kZlibLevel = 2;  // depth and labels shrink hardly more at higher, slower levels
-constexpr std::uint64_t kMaxPixels = 1ull << 26;  // a header that promises more is taken for a corrupt one
 constexpr std::size_t kSignatureSize = 8;
 
 /** The message of libpng when it gave up. Plain memory, since longjmp runs no destructors. */
@@ -140,8 +139,7 @@ EncodedPng readPng(const files::FilePtr& file, const std::string& name, const Ch
   codec.run(readHeader, &png.header);
   const Header& h = png.header;
   const auto channels = static_cast<std::size_t>(channelsOf(h));
-  if (std::uint64_t(h.width) * h.height > kMaxPixels)
-    throw IoError(name, fmt::format("claims to be of {}x{} pixels", h.width, h.height));
+  requireSize(name, h.width, h.height);
   png.bytes.resize(std::size_t(h.width) * h.height * channels * h.bits / 8);
   codec.run(readRows, rowPointers(png.bytes, h.height).data());
   return png;

@@ -51,8 +51,7 @@ public:
                height = field<std::uint32_t>(TIFFTAG_IMAGELENGTH);
     const auto bits = field<std::uint16_t>(TIFFTAG_BITSPERSAMPLE),
                kind = field<std::uint16_t>(TIFFTAG_SAMPLEFORMAT);
-    if (width == 0 || height == 0 || std::uint64_t(width) * height > kMostPixels)
-      throw IoError(path_, fmt::format("claims to be of {}x{} pixels", width, height));
+    requireSize(path_, width, height);
     if (field<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL) != 1)
       throw IoError(path_, "has several channels, not one");
     if (TIFFIsTiled(file_.get()))

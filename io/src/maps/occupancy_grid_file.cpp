@@ -2,7 +2,7 @@
 #include "base/text.h"
 #include "bytes/files.h"
 #include "bytes/yaml_entries.h"
-#include "images/netpbm.h"
+#include "images/depth_file.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/occupancy_grid_file.h>
@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using internal::YamlEntry;
-using netpbm::Greymap;
 
 enum class Mode { trinary, scale, raw };
 
@@ -112,7 +111,7 @@ Greymap greymapOf(const fs::path& path) {
     map.white = pngSize(path)->bits > 8 ? 65535 : 255;
     return map;
   }
-  return netpbm::parsePgm(path.string(), files::readBytes(path));
+  return parsePgm(path.string(), files::readBytes(path));
 }
 
 Greymap readImage(const fs::path& path) {
@@ -165,7 +164,7 @@ void writeOccupancyGrid(const fs::path& yaml, const OccupancyGrid& grid) {
     for (int column = 0; column < grid.width; ++column)
       image.data.push_back(grid.isOccupied(column, row) ? kBlack : grid.isFree(column, row) ? kWhite : kGrey);
   const fs::path pgm = fs::path(yaml).replace_extension(".pgm");
-  netpbm::writePgm(pgm, image);
+  writePgm(pgm, image);
   writeTextAtomically(yaml, [&](std::ostream& out) {
     const auto number = [](double value) { return text::shortest(value); };
     out << "image: " << pgm.filename().string() << "\nmode: trinary\nresolution: " << number(grid.resolution)

@@ -2,14 +2,12 @@
 #include "recordings/depth_messages.h"
 
 #include "base/text.h"
-#include "images/png_memory.h"
 
 #include <facetloc/io/error.h>
 
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
-#include <limits>
 
 namespace facetloc::internal {
 namespace {
@@ -36,8 +34,7 @@ float measured(float z) { return std::isfinite(z) && z > 0 ? z : 0; }
 
 StoredDepth readPngValues(ByteView bytes, const std::string& name) {
   constexpr int kBits = 16;
-  Raster<std::uint16_t> raster = readGreyPng(bytes.data, bytes.size, name, kBits);
-  return {raster.width, raster.height, {}, std::move(raster.data)};
+  return storedIn(readGreyPng(bytes.data, bytes.size, name, kBits));
 }
 
 bool isPngData(ByteView bytes) {
@@ -142,13 +139,9 @@ StoredDepth readDepth(const CompressedImageMessage& image, const std::string& na
 }
 
 DepthImage depthImageOf(StoredDepth values, double scale) {
-  constexpr std::uint16_t kNotMeasured = std::numeric_limits<std::uint16_t>::max();
   DepthImage image;
   image.camera.width = values.width, image.camera.height = values.height;
-  image.depth = std::move(values.metres);
-  image.depth.reserve(image.depth.size() + values.numbers.size());
-  for (const std::uint16_t value : values.numbers)
-    image.depth.push_back(value == kNotMeasured ? 0 : static_cast<float>(value / scale));
+  image.depth = values.metres.empty() ? metresOf(values.numbers, scale) : std::move(values.metres);
   return image;
 }
 

@@ -228,8 +228,6 @@ DepthSequence SequenceReader::read() const {
 
 namespace {
 
-constexpr std::uint16_t kNotMeasured = 65535;  // value of a PNG, beside 0: 7-Scenes and some drivers have it
-
 /** An image of another size was not taken with this camera. */
 void requireSize(const fs::path& path, int width, int height, const Intrinsics& camera) {
   if (width == camera.width && height == camera.height) return;
@@ -238,7 +236,14 @@ void requireSize(const fs::path& path, int width, int height, const Intrinsics& 
                                            width, height, camera.width, camera.height));
 }
 
-DepthImage depthOf(const fs::path& path, const CameraFile& file);
+/** As it is stored. */
+DepthImage depthOf(const fs::path& path, const CameraFile& file) {
+  StoredDepth values = readDepthValues(path);
+  const Intrinsics& intrinsics = file.camera.intrinsics;
+  requireSize(path, values.width, values.height, intrinsics);
+  return {intrinsics,
+          values.metres.empty() ? metresOf(values.numbers, file.depth_scale) : std::move(values.metres)};
+}
 
 }  // namespace
 
@@ -336,23 +341,6 @@ DepthImage DepthSequence::load(std::size_t index, int working_width) const {
 std::vector<Segment> DepthSequence::segments(std::size_t index) const {
   return readSegments(frames_.at(index).path);
 }
-
-namespace {
-
-/** As it is stored. */
-DepthImage depthOf(const fs::path& path, const CameraFile& file) {
-  const StoredDepth values = readDepthValues(path);
-  const Intrinsics& intrinsics = file.camera.intrinsics;
-  requireSize(path, values.width, values.height, intrinsics);
-  if (!values.metres.empty()) return {intrinsics, values.metres};
-  DepthImage image{intrinsics, std::vector<float>(values.numbers.size())};
-  std::transform(values.numbers.begin(), values.numbers.end(), image.depth.begin(), [&](std::uint16_t value) {
-    return value == kNotMeasured ? 0 : static_cast<float>(value / file.depth_scale);
-  });
-  return image;
-}
-
-}  // namespace
 
 DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file) {
   return depthOf(path, file);

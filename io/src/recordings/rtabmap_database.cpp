@@ -2,7 +2,6 @@
 #include "bytes/files.h"
 #include "bytes/plausible.h"
 #include "bytes/sqlite.h"
-#include "images/png_memory.h"
 #include "recordings/depth_messages.h"
 #include "recordings/image_container.h"
 #include "recordings/pose_table.h"
@@ -139,8 +138,7 @@ StoredDepth readRtabmapDepth(ByteView bytes, const std::string& name) {
     return readRvl({bytes.data + kRvlSize, bytes.size - kRvlSize}, name);
   if (!isRgbaPng(bytes.data, bytes.size)) {
     constexpr int kBits = 16;
-    Raster<std::uint16_t> raster = readGreyPng(bytes.data, bytes.size, name, kBits);
-    return {raster.width, raster.height, {}, std::move(raster.data)};
+    return storedIn(readGreyPng(bytes.data, bytes.size, name, kBits));
   }
   const Raster<std::uint8_t> raster = readRgbaPng(bytes.data, bytes.size, name);
   StoredDepth image{raster.width, raster.height, {}, {}};

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/text.h"
 #include "bytes/plausible.h"
+
+#include <facetloc/io/trajectory.h>
 
 #include <Eigen/Geometry>
 
@@ -9,6 +12,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
+#include <string>
 
 namespace facetloc {
 
@@ -40,4 +45,20 @@ inline std::optional<Eigen::Isometry3d> fromColumns(const PoseColumns& c, double
   return T;
 }
 
+/** Lines of trajectories in the TUM format. */
+namespace tum {
+
+constexpr const char* kHeader = "# timestamp tx ty tz qx qy qz qw\n";
+constexpr int kStampDecimals = 6;
+
+/** \brief Throws std::invalid_argument for a pose that is not finite. */
+inline std::string line(const StampedPose& pose) {
+  if (!std::isfinite(pose.stamp) || !pose.T_w_c.matrix().allFinite())
+    throw std::invalid_argument("a pose of the trajectory is not finite");
+  std::string out = text::decimals(pose.stamp, kStampDecimals);
+  for (const double value : toColumns(pose.T_w_c)) out.append(" ").append(text::significant(value));
+  return out + "\n";
+}
+
+}  // namespace tum
 }  // namespace facetloc

@@ -2,7 +2,6 @@
 #include "base/text.h"
 #include "bytes/csv.h"
 #include "results/pose_columns.h"
-#include "results/tum_line.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/results.h>

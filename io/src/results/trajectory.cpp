@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bytes/files.h"
-#include "results/tum_line.h"
+#include "results/pose_columns.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
