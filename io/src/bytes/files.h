@@ -5,6 +5,7 @@
 
 #include <facetloc/io/error.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
@@ -14,9 +15,11 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 /** \file
  * Files and folders, private to io. */
@@ -146,6 +149,39 @@ inline std::string readText(const std::filesystem::path& path) {
   return text;
 }
 
+/** \brief The sorted entries of a folder for which a condition holds; none of a folder that cannot be read.
+ */
+template <typename Condition>
+std::vector<std::filesystem::path> entriesOf(const std::filesystem::path& folder, const Condition& holds) {
+  std::vector<std::filesystem::path> found;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    if (holds(entry)) found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+inline bool isFile(const std::filesystem::directory_entry& entry) {
+  std::error_code ignored;
+  return entry.is_regular_file(ignored);
+}
+inline bool isFolder(const std::filesystem::directory_entry& entry) {
+  std::error_code ignored;
+  return entry.is_directory(ignored);
+}
+
+/** \brief Calls use(line) with each line of a text; its std::invalid_argument becomes an IoError with the
+ * number of the line. */
+template <typename Use>
+void forEachLine(std::string_view content, const std::string& path, const Use& use) {
+  int number = 0;
+  for (const std::string_view line : text::lines(content)) try {
+      ++number;
+      use(line);
+    } catch (const std::invalid_argument& e) {
+      throw IoError(path, fmt::format("line {}: {}", number, e.what()));
+    }
+}
+
 }  // namespace facetloc::files
 
 namespace facetloc::internal {
@@ -159,5 +195,10 @@ inline std::string lowerExtension(const std::filesystem::path& path) {
   return text::lower(path.extension().string());
 }
 inline bool isPng(const std::filesystem::path& path) { return lowerExtension(path) == ".png"; }
+
+/** \brief Adds a sentence, behind a semicolon, unless it is empty. */
+inline void addSentence(const std::string& sentence, std::string& sentences) {
+  if (!sentence.empty()) sentences += (sentences.empty() ? "" : "; ") + sentence;
+}
 
 }  // namespace facetloc::internal

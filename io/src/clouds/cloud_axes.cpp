@@ -2,6 +2,7 @@
 #include "clouds/cloud_axes.h"
 
 #include "base/median.h"
+#include "bytes/files.h"
 
 #include <facetloc/features/organized_cloud.h>
 
@@ -212,9 +213,7 @@ std::optional<CloudImage> imageInBestAxes(const Cloud& points, const std::option
   if (!turn.axes.isIdentity())
     remark = fmt::format("the axes of the clouds are {}: they are turned to x right, y down, z forward",
                          toString(turn.axes));
-  if (turn.rows_from_below)
-    remark +=
-        std::string(remark.empty() ? "" : "; ") + "the rows of the clouds are stored from the bottom up";
+  if (turn.rows_from_below) addSentence("the rows of the clouds are stored from the bottom up", remark);
   if (camera) {
     if (fits(cloud, *camera)) return CloudImage{depthImage(cloud, *camera), remark};
   } else if (const auto recovered = recoverIntrinsics(cloud)) {
@@ -229,7 +228,7 @@ std::optional<CloudImage> imageInBestAxes(const Cloud& points, const std::option
   k.width = static_cast<int>(cloud.width), k.height = static_cast<int>(cloud.height);
   if (camera && !isLike(k, *camera)) return {};
   if (camera) k = *camera;
-  remark += std::string(remark.empty() ? "" : "; ") + kLensRemark;
+  addSentence(kLensRemark, remark);
   return CloudImage{sortedInto(k, cloud), remark};
 }
 
@@ -250,7 +249,7 @@ std::optional<CloudImage> imageOf(const FileCloud& file, const std::optional<Int
     found = imageInBestAxes(moved(points, file.viewpoint.inverse()), camera);
     if (found) {
       std::string remark = "the points of the clouds are moved back to where their VIEWPOINT was";
-      if (!found->remark.empty()) remark += "; " + found->remark;
+      addSentence(found->remark, remark);
       found->remark = remark;
     }
   }
@@ -258,8 +257,7 @@ std::optional<CloudImage> imageOf(const FileCloud& file, const std::optional<Int
   if (!found) return {};
   if (areMillimetres(found->image)) {
     for (float& z : found->image.depth) z /= 1000;
-    found->remark +=
-        std::string(found->remark.empty() ? "" : "; ") + "the points of the clouds are in millimetres";
+    addSentence("the points of the clouds are in millimetres", found->remark);
   }
   return found;
 }

@@ -82,23 +82,16 @@ std::pair<int, Eigen::Isometry3d> vertexOf(const std::vector<std::string_view>& 
 std::vector<std::optional<Eigen::Isometry3d>> verticesOf(const std::filesystem::path& path,
                                                          std::size_t models) {
   std::vector<std::optional<Eigen::Isometry3d>> poses(models);
-  const std::string content = files::readText(path);
-  int number = 0;
-  for (const std::string_view line : text::lines(content)) {
-    ++number;
+  files::forEachLine(files::readText(path), path.string(), [&](std::string_view line) {
     const auto words = text::words(text::withoutComment(line));
-    if (words.empty() || words[0] != kVertex) continue;
-    try {
-      const auto [id, T] = vertexOf(words);
-      if (id < 0 || static_cast<std::size_t>(id) >= models)
-        throw std::invalid_argument(fmt::format("the map has no local model {}", id));
-      auto& pose = poses[static_cast<std::size_t>(id)];
-      if (pose) throw std::invalid_argument(fmt::format("local model {} has a vertex already", id));
-      pose = T;
-    } catch (const std::invalid_argument& e) {
-      throw IoError(path.string(), fmt::format("line {}: {}", number, e.what()));
-    }
-  }
+    if (words.empty() || words[0] != kVertex) return;
+    const auto [id, T] = vertexOf(words);
+    if (id < 0 || static_cast<std::size_t>(id) >= models)
+      throw std::invalid_argument(fmt::format("the map has no local model {}", id));
+    auto& pose = poses[static_cast<std::size_t>(id)];
+    if (pose) throw std::invalid_argument(fmt::format("local model {} has a vertex already", id));
+    pose = T;
+  });
   return poses;
 }
 

@@ -70,32 +70,4 @@ private:
  */
 Map readSound(sqlite::Connection& db, bool with_views);
 
-/** \brief The view of one local model as its file has it. */
-class PackedView {
-public:
-  /** \brief Needs the file no more. Throws IoError if the view is not sound. */
-  View unpacked() &&;
-
-private:
-  friend class ViewReader;
-  std::string file_, label_;
-  View view_;  // without its picture
-  std::optional<map_rows::PackedPicture> picture_;
-};
-
-/** \brief Looks up views of local models, one at a time. */
-class ViewReader {
-public:
-  /** \param noise of views without a picture */
-  ViewReader(sqlite::Connection& db, const DepthNoise& noise);
-  /** \brief Throws IoError if it is missing or invalid. */
-  PackedView read(int model);
-
-private:
-  sqlite::Connection& db_;
-  DepthNoise usual_noise_;
-  sqlite::Statement of_model_, segments_, picture_;  // statements for the model that is bound to them
-  std::optional<sqlite::Statement> gravity_;         // the same; nothing in a map without the table
-};
-
 }  // namespace facetloc

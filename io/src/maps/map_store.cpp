@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "maps/map_connection.h"
 #include "maps/map_reader.h"
+#include "maps/map_schema.h"
 #include "maps/place_index_parts.h"
 
 #include <facetloc/io/map_database.h>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 #include <list>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -16,8 +18,113 @@
 namespace facetloc {
 namespace {
 
+using namespace map_rows;
+using sqlite::BadCell;
 using sqlite::Connection;
 using sqlite::Statement;
+
+/** The view of one local model as its file has it. */
+class PackedView {
+public:
+  /** Needs the file no more. Throws IoError if the view is not sound. */
+  View unpacked() &&;
+
+private:
+  friend class ViewReader;
+  std::string file_, label_;
+  View view_;  // without its picture
+  std::optional<map_rows::PackedPicture> picture_;
+};
+
+/** Looks up views of local models, one at a time. */
+class ViewReader {
+public:
+  /** \param noise of views without a picture */
+  ViewReader(sqlite::Connection& db, const DepthNoise& noise);
+  /** Throws IoError if it is missing or invalid. */
+  PackedView read(int model);
+
+private:
+  sqlite::Connection& db_;
+  DepthNoise usual_noise_;
+  sqlite::Statement of_model_, segments_, picture_;  // statements for the model that is bound to them
+  std::optional<sqlite::Statement> gravity_;         // the same; nothing in a map without the table
+};
+
+/** The rows that a prepared statement has for a model. Left open, they would keep others from writing. */
+class RowsOf {
+public:
+  RowsOf(Statement& statement, int model) : statement_(statement) { statement_ << model; }
+  RowsOf(const RowsOf&) = delete;
+  RowsOf& operator=(const RowsOf&) = delete;
+  ~RowsOf() { statement_.reset(); }
+  Statement* operator->() const { return &statement_; }
+  Statement& row() const { return statement_; }
+
+private:
+  Statement& statement_;
+};
+
+std::string ofModel(const char* columns, const char* table, const char* model) {
+  return schema::select(columns, table) + " WHERE " + model + " = ?";
+}
+
+ViewReader::ViewReader(Connection& db, const DepthNoise& noise)
+    : db_(db),
+      usual_noise_(noise),
+      of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
+      segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
+      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
+  if (hasGravity(db)) gravity_.emplace(db, ofModel(schema::kGravityColumns, "gravity", "model_id"));
+}
+
+PackedView ViewReader::read(int model) {
+  PackedView packed;
+  packed.file_ = db_.name();
+  packed.label_ = fmt::format("model {}", model);
+  View& view = packed.view_;
+  try {
+    const RowsOf of_model(of_model_, model);
+    require(of_model->step(), "there is no such model");
+    of_model->skip(1);
+    const ModelRow of_file = readModel(of_model.row());
+    view.intrinsics = of_file.intrinsics;
+    view.depth.noise = usual_noise_;
+
+    const RowsOf segment(segments_, model);
+    while (segment->step()) {
+      segment->skip(1);
+      require(segment->integer() == static_cast<int>(view.segments.size()), "its segment numbers have a gap");
+      view.segments.push_back(readSegment(segment.row()));
+    }
+    require(of_file.num_segments == static_cast<int>(view.segments.size()), "num_segments is wrong");
+
+    if (gravity_) {
+      const RowsOf gravity(*gravity_, model);
+      if (gravity->step()) {
+        gravity->skip(1);
+        view.gravity = map_rows::readGravity(gravity.row());
+      }
+    }
+
+    const RowsOf picture(picture_, model);
+    if (!picture->step()) return packed;
+    picture->skip(1);
+    packed.picture_ = readPicture(picture.row(), view.intrinsics);
+  } catch (const BadCell& e) {
+    throw IoError(packed.file_, fmt::format("is not sound: {}: {}", packed.label_, e.what()));
+  }
+  return packed;
+}
+
+View PackedView::unpacked() && {
+  try {
+    if (picture_) view_.depth = map_rows::unpacked(*picture_);
+  } catch (const BadCell& e) {
+    throw IoError(file_, fmt::format("is not sound: {}: {}", label_, e.what()));
+  }
+  return std::move(view_);
+}
 
 /** Pixels of a usual depth picture, half of 320x240. */
 constexpr std::size_t kUsualPixels = 160 * 120;

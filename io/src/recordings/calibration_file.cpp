@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/calibration_file.h"
 
+#include "base/text.h"
 #include "bytes/files.h"
 #include "bytes/yaml_entries.h"
 
 #include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <initializer_list>
@@ -115,8 +115,7 @@ LensDistortion lensOf(const std::string& model, const std::vector<double>& d) {
   constexpr std::size_t kPlain = 4, kThird = 5, kRational = 8;
   const bool none = std::all_of(d.begin(), d.end(), [](double c) { return c == 0; });
   if (none) return {};
-  std::string name;
-  for (const char c : model) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string name = text::lower(model);
   const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
   if (has("equi") || has("fish") || has("fov") || has("omni") || has("kannala") || has("thin") ||
       has("inverse"))

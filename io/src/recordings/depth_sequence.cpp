@@ -308,7 +308,7 @@ GravityRecord DepthSequence::gravity(double std, std::string* remark) const {
 
 std::string DepthSequence::remark() const {
   std::string all;
-  for (const std::string& words : remarks_) all += (all.empty() ? "" : "; ") + words;
+  for (const std::string& words : remarks_) internal::addSentence(words, all);
   return all;
 }
 

@@ -49,9 +49,7 @@ constexpr Unread kUnread[] = {
 std::string kindsIn(const fs::path& folder) {
   constexpr std::size_t kMostKinds = 6;
   std::map<std::string, std::size_t> kinds;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.is_regular_file(ignored)) ++kinds[lowerExtension(entry.path())];
+  for (const fs::path& file : files::entriesOf(folder, files::isFile)) ++kinds[lowerExtension(file)];
   std::string words;
   std::size_t n = 0;
   for (const auto& [extension, count] : kinds) {
@@ -85,11 +83,7 @@ std::string adviceOnFile(const fs::path& path) {
 std::string foundIn(const fs::path& folder) {
   constexpr std::size_t kMostFolders = 8;
   std::string words = kindsIn(folder), advice = adviceIn(folder);
-  std::vector<fs::path> folders;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.is_directory(ignored)) folders.push_back(entry.path());
-  std::sort(folders.begin(), folders.end());
+  const std::vector<fs::path> folders = files::entriesOf(folder, files::isFolder);
   for (std::size_t i = 0; i < folders.size() && i < kMostFolders; ++i) {
     const std::string kinds = kindsIn(folders[i]);
     words += fmt::format("{}{}/ ({})", words.empty() ? "" : ", ", folders[i].filename().string(),

@@ -149,18 +149,11 @@ GravityRecord readGravity(const std::filesystem::path& path, double std) {
     throw IoError(path.string(),
                   "has no gravity: lines are stamp gx gy gz, or the first one names its columns");
   std::vector<StampedGravity> samples;
-  int number = 0;
-  for (std::string_view line : text::lines(content)) {
-    ++number;
+  files::forEachLine(content, path.string(), [&](std::string_view line) {
     line = text::trimmed(line);
-    if (line.empty() || isComment(line)) continue;
-    if (samples.empty() && columnsOf(line)) continue;
-    try {
-      samples.push_back(sampleOf(cellsOf(line), *columns, std));
-    } catch (const std::invalid_argument& e) {
-      throw IoError(path.string(), fmt::format("line {}: {}", number, e.what()));
-    }
-  }
+    if (line.empty() || isComment(line) || (samples.empty() && columnsOf(line))) return;
+    samples.push_back(sampleOf(cellsOf(line), *columns, std));
+  });
   if (samples.empty()) throw IoError(path.string(), "has no line of gravity");
   setTimes(samples, columns->unit, path.string());
   return GravityRecord(std::move(samples));

@@ -59,12 +59,7 @@ bool isDepthImage(const fs::path& path) {
 }
 
 std::vector<fs::path> foldersIn(const fs::path& folder) {
-  std::vector<fs::path> folders;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.is_directory(ignored) && !isHidden(entry.path())) folders.push_back(entry.path());
-  std::sort(folders.begin(), folders.end());
-  return folders;
+  return files::entriesOf(folder, [](const auto& e) { return files::isFolder(e) && !isHidden(e.path()); });
 }
 
 bool hasDepthImages(const fs::path& folder) {
@@ -103,18 +98,15 @@ public:
   explicit ListParser(const fs::path& list) : list_(list) {}
 
   std::vector<ListedImage> parse(std::string_view content) {
-    for (const std::string_view line : text::lines(content)) {
-      ++line_;
+    files::forEachLine(content, list_.string(), [this](std::string_view line) {
       const auto entry = text::trimmed(line);
       if (!entry.empty() && entry.front() != '#') add(entry);
-    }
+    });
     return images_;
   }
 
 private:
-  [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(list_.string(), fmt::format("line {}: {}", line_, cause));
-  }
+  [[noreturn]] static void fail(const std::string& cause) { throw std::invalid_argument(cause); }
 
   void add(std::string_view entry) {
     ListLine line = splitLine(entry);
@@ -153,7 +145,7 @@ private:
   }
 
   /** The depth image among several: the one whose folder or name says depth. */
-  const ListLine::Path& depthOf(const std::vector<ListLine::Path>& paths) const {
+  static const ListLine::Path& depthOf(const std::vector<ListLine::Path>& paths) {
     if (paths.size() == 1) return paths[0];
     const auto only = [&paths](auto holds) -> const ListLine::Path* {
       const auto found = std::find_if(paths.begin(), paths.end(), holds);
@@ -170,7 +162,7 @@ private:
   }
 
   /** Pose in front of the first path and its stamp, or behind the last path. */
-  std::optional<Eigen::Isometry3d> poseOf(const ListLine& line) const {
+  static std::optional<Eigen::Isometry3d> poseOf(const ListLine& line) {
     constexpr std::size_t kPose = 7;
     std::vector<double> numbers = line.paths.front().before;
     if (!numbers.empty()) numbers.pop_back();
@@ -210,7 +202,6 @@ private:
   }
 
   fs::path list_;
-  int line_ = 0;
   std::vector<ListedImage> images_;
   std::set<fs::path> listed_;
 };

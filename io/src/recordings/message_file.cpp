@@ -33,12 +33,8 @@ const Kind* kindOf(const fs::path& path) {
 }
 
 std::vector<fs::path> filesIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (kindOf(entry.path()) && entry.is_regular_file(ignored)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
+  return files::entriesOf(folder,
+                          [](const auto& entry) { return kindOf(entry.path()) && files::isFile(entry); });
 }
 
 bool isRosbag2(const fs::path& folder) {
@@ -90,8 +86,6 @@ void MessageFile::sortEntries() {
   std::stable_sort(entries_.begin(), entries_.end(),
                    [](const MessageEntry& a, const MessageEntry& b) { return a.written < b.written; });
 }
-
-void MessageFile::addFault(const std::string& words) { fault_ += (fault_.empty() ? "" : "; ") + words; }
 
 std::unique_ptr<const MessageFile> openMessageFile(const fs::path& path) {
   files::requireRegularFile(path);
@@ -173,10 +167,6 @@ std::string MessageLog::faults() const {
     if (!file->fault().empty())
       addSentence(fmt::format("{}: {}", file->path().string(), file->fault()), words);
   return words;
-}
-
-void addSentence(const std::string& sentence, std::string& sentences) {
-  if (!sentence.empty()) sentences += (sentences.empty() ? "" : "; ") + sentence;
 }
 
 std::string listOf(const std::vector<MessageTopic>& topics) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "bytes/files.h"
 #include "recordings/ros_messages.h"
 
 #include <facetloc/io/error.h>
@@ -62,7 +63,7 @@ protected:
   /** \brief Counts a message, and lists it if it may be asked for. */
   void add(const MessageEntry& entry);
   void sortEntries();
-  void addFault(const std::string& words);
+  void addFault(const std::string& words) { addSentence(words, fault_); }
 
 private:
   std::filesystem::path path_;
@@ -154,9 +155,6 @@ private:
   std::vector<std::unique_ptr<const MessageFile>> files_;
   std::vector<MessageTopic> topics_;  // topics of all files
 };
-
-/** \brief Adds a sentence, behind a semicolon, unless it is empty. */
-void addSentence(const std::string& sentence, std::string& sentences);
 
 /** \brief "/odom (12), /pose (3)", or "none". */
 std::string listOf(const std::vector<MessageTopic>& topics);

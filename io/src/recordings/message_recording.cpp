@@ -6,6 +6,7 @@
 #include "recordings/image_list.h"
 #include "recordings/message_file.h"
 #include "recordings/message_poses.h"
+#include "recordings/recorded_camera.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
@@ -92,9 +93,7 @@ MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& image
                                : topic.substr(0, std::min(topic.rfind('/'), topic.size()));
   const CameraPreset& preset = is_realsense ? *findCameraPreset("realsense_d435") : cameraPresets().front();
   MessageCamera camera;
-  camera.file.camera = preset.camera();
-  camera.file.preset = preset.name;
-  camera.file.depth_scale = kMillimetres;
+  camera.file = cameraFileOf({}, kMillimetres, preset);
   if (is_realsense) findDepthUnit(log, camera.file);
   const bool called_rectified = text::lower(topic).find("rect") != std::string::npos;
   const auto use = [&](const CameraInfoMessage& info) { take(info, called_rectified, camera); };
@@ -152,10 +151,10 @@ public:
     std::string words =
         fmt::format("{}: the depth images are those of {}", log_.path().string(), topic_.name);
     if (!others_.empty()) words += fmt::format("; --topic takes others: {}", listOf(others_));
-    if (!camera_.remark.empty()) words += "; " + camera_.remark;
+    addSentence(camera_.remark, words);
     if (copies_ > 0) words += fmt::format("; {} more with the time of another left out", copies_);
     if (stray_ > 0) words += fmt::format("; {} written late, sorted by time", stray_);
-    if (const std::string faults = log_.faults(); !faults.empty()) words += "; " + faults;
+    addSentence(log_.faults(), words);
     return words;
   }
 
@@ -197,7 +196,7 @@ private:
                                     "CompressedImage of compressedDepth); its images: {}",
                                     wanted.empty() ? "" : " in " + wanted, listOf(images));
     if (images.empty()) words += "; its topics: " + listOf(log_.topics());
-    if (const std::string faults = log_.faults(); !faults.empty()) words += "; " + faults;
+    addSentence(log_.faults(), words);
     throw IoError(log_.path().string(), words);
   }
 

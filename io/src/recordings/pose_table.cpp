@@ -280,6 +280,16 @@ std::optional<Eigen::Isometry3d> poseOfColumns(const PoseColumns& columns) {
   return fromColumns(columns, kTolerance);
 }
 
+std::vector<double> numbersOf(std::string_view content, const std::filesystem::path& path) {
+  std::vector<double> numbers;
+  for (const std::string_view word : text::words(content)) {
+    const auto number = text::to<double>(word);
+    if (!number) throw IoError(path.string(), text::quoted(word) + " is not a number");
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
 PoseTable parsePoseTable(std::string_view content, const std::string& source) {
   return TableParser(source).parse(content);
 }

@@ -43,6 +43,9 @@ PoseTable readPoseTable(const std::filesystem::path& path);
 /** \brief The same of text that is there. \param source named in errors */
 PoseTable parsePoseTable(std::string_view content, const std::string& source);
 
+/** \brief The words of a text as numbers. Throws IoError. \param path in errors */
+std::vector<double> numbersOf(std::string_view content, const std::filesystem::path& path);
+
 /** \brief The rigid transform of a matrix that is one up to 1e-2, as files have as few as four decimals.
  * Throws std::invalid_argument. */
 Eigen::Isometry3d poseOfMatrix(const Eigen::Matrix4d& m);

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr const char* kCameraFile = "camera.ini";
 constexpr const char* kMatrices[] = {"camera-intrinsics.txt", "intrinsic/intrinsic_depth.txt"};
 constexpr double kMillimetres = 1000;  // PNG values per metre
-constexpr double kTumScale = 5000;
+constexpr double kTum = 5000;          // PNG values per metre of TUM's recordings
 
 /** A camera of a public data set. */
 struct KnownCamera {
@@ -42,22 +42,17 @@ const KnownCamera kKnown[] = {
      "freiburg1",
      Kind::plain,
      {640, 480, 517.3, 516.5, 318.6, 255.3},
-     kTumScale,
+     kTum,
      "kinect"},
     {"TUM RGB-D, freiburg2",
      "freiburg2",
      Kind::plain,
      {640, 480, 520.9, 521.0, 325.1, 249.7},
-     kTumScale,
+     kTum,
      "kinect"},
-    {"TUM RGB-D, freiburg3",
-     "freiburg3",
-     Kind::plain,
-     {640, 480, 535.4, 539.2, 320.1, 247.6},
-     kTumScale,
-     "xtion"},
+    {"TUM RGB-D, freiburg3", "freiburg3", Kind::plain, {640, 480, 535.4, 539.2, 320.1, 247.6}, kTum, "xtion"},
     {"7-Scenes", "", Kind::seven_scenes, {640, 480, 585, 585, 320, 240}, kMillimetres, "kinect"},
-    {"ICL-NUIM", "", Kind::icl_nuim, {640, 480, 481.2, 480, 319.5, 239.5}, kTumScale, "kinect", true},
+    {"ICL-NUIM", "", Kind::icl_nuim, {640, 480, 481.2, 480, 319.5, 239.5}, kTum, "kinect", true},
 };
 
 /** Size of the first readable depth image; empty without one. */
@@ -70,21 +65,9 @@ std::optional<PngSize> sizeOfImages(const RecordingLayout& layout) {
 
 std::string toString(const PngSize& size) { return fmt::format("{}x{}", size.width, size.height); }
 
-std::vector<double> numbersOf(const std::string& content, const fs::path& path) {
-  std::vector<double> numbers;
-  for (const std::string_view word : text::words(content)) {
-    const auto number = text::to<double>(word);
-    if (!number) throw IoError(path.string(), text::quoted(word) + " is not a number");
-    numbers.push_back(*number);
-  }
-  return numbers;
-}
-
-std::vector<double> numbersIn(const fs::path& path) { return numbersOf(files::readText(path), path); }
-
 /** 3x3, or 4x4 with the same in its corner. */
 Intrinsics readMatrix(const fs::path& path, const PngSize& size) {
-  const std::vector<double> m = numbersIn(path);
+  const std::vector<double> m = numbersOf(files::readText(path), path);
   const std::size_t columns = m.size() == 9 ? 3 : 4;
   if (m.size() != columns * columns)
     throw IoError(path.string(),
@@ -92,15 +75,6 @@ Intrinsics readMatrix(const fs::path& path, const PngSize& size) {
   const Intrinsics intrinsics{size.width, size.height, m[0], m[columns + 1], m[2], m[columns + 2]};
   if (!intrinsics.valid()) throw IoError(path.string(), "its matrix is not a camera matrix");
   return intrinsics;
-}
-
-CameraFile fileOf(const Intrinsics& intrinsics, double depth_scale, const CameraPreset& preset) {
-  CameraFile file;
-  file.camera = preset.camera();
-  file.camera.intrinsics = intrinsics;
-  file.depth_scale = depth_scale;
-  file.preset = preset.name;
-  return file;
 }
 
 bool mentions(const fs::path& path, const std::string& word) {
@@ -113,7 +87,7 @@ std::optional<RecordedCamera> knownCamera(const RecordingLayout& layout, const P
     const bool fits = known.kind == layout.kind && mentions(asked, known.folder) &&
                       size.width == known.intrinsics.width && size.height == known.intrinsics.height;
     if (!fits) continue;
-    RecordedCamera camera{fileOf(known.intrinsics, known.depth_scale, *findCameraPreset(known.preset))};
+    RecordedCamera camera{cameraFileOf(known.intrinsics, known.depth_scale, *findCameraPreset(known.preset))};
     camera.file.y_axis_up = known.y_axis_up;
     camera.remark =
         std::string("there is no camera.ini: the camera is taken to be the one of ") + known.title;
@@ -142,14 +116,14 @@ RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<Reco
     return camera;
   }
   // Clouds have their intrinsics in them, which a camera without any leaves as they are.
-  if (!size) return {fileOf({}, kMillimetres, preset)};
+  if (!size) return {cameraFileOf({}, kMillimetres, preset)};
   const auto intrinsics = preset.intrinsicsOf(size->width, size->height);
   if (!intrinsics)
     throw IoError(layout.frames.front().path.string(),
                   fmt::format("is of {} pixels, but the intrinsics of {} are known for {} and images of the "
                               "same shape only: write a camera.ini with the calibration",
                               toString(*size), preset.name, modesOf(preset)));
-  return {fileOf(*intrinsics, kMillimetres, preset),
+  return {cameraFileOf(*intrinsics, kMillimetres, preset),
           std::string("there is no calibration: the intrinsics are taken to be those of a typical ") +
               preset.name};
 }
@@ -162,7 +136,7 @@ std::optional<RecordedCamera> cameraOfPclzf(const RecordingLayout& layout, const
   const fs::path file = image.parent_path() / (name.substr(0, name.rfind('_')) + ".xml");
   if (!fs::is_regular_file(file)) return {};
   const PclzfCamera camera = readPclzfCamera(file, size.width, size.height);
-  return RecordedCamera{fileOf(camera.intrinsics, camera.depth_scale, cameraPresets().front())};
+  return RecordedCamera{cameraFileOf(camera.intrinsics, camera.depth_scale, cameraPresets().front())};
 }
 
 bool isCalibration(const fs::path& file) {
@@ -175,25 +149,18 @@ std::vector<fs::path> calibrationsIn(const std::vector<fs::path>& folders) {
   std::vector<fs::path> found;
   const auto add = [&found](const fs::path& folder, bool all) {
     constexpr std::size_t kMost = 20;
-    std::error_code ignored;
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-      if (isCalibration(entry.path()) && entry.is_regular_file(ignored)) files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    if (!all && files.size() > 1) files.resize(1);
-    if (files.size() > kMost) files.resize(kMost);
-    found.insert(found.end(), files.begin(), files.end());
+    std::vector<fs::path> some = files::entriesOf(
+        folder, [](const auto& entry) { return isCalibration(entry.path()) && files::isFile(entry); });
+    some.resize(std::min(some.size(), all ? kMost : 1));
+    found.insert(found.end(), some.begin(), some.end());
   };
   for (const fs::path& folder : folders) {
     add(folder, true);
-    std::error_code ignored;
-    std::vector<fs::path> below;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-      if (entry.is_directory(ignored) &&
-          (mentions(entry.path().filename(), "calib") || mentions(entry.path().filename(), "intrinsic")))
-        below.push_back(entry.path());
-    std::sort(below.begin(), below.end());
-    for (const fs::path& calibrations : below) add(calibrations, false);
+    const auto isOfCalibrations = [](const auto& entry) {
+      const fs::path name = entry.path().filename();
+      return files::isFolder(entry) && (mentions(name, "calib") || mentions(name, "intrinsic"));
+    };
+    for (const fs::path& below : files::entriesOf(folder, isOfCalibrations)) add(below, false);
   }
   return found;
 }
@@ -206,11 +173,11 @@ bool isCentred(const Intrinsics& k, const PngSize& size) {
 
 /** Phones have images of confidence. */
 bool isPhone(const std::vector<fs::path>& within) {
-  std::error_code ignored;
-  for (const fs::path& folder : within)
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-      if (entry.path().filename().string().rfind("conf", 0) == 0) return true;
-  return false;
+  const auto isConfidence = [](const auto& entry) {
+    return entry.path().filename().string().rfind("conf", 0) == 0;
+  };
+  return std::any_of(within.begin(), within.end(),
+                     [&](const fs::path& folder) { return !files::entriesOf(folder, isConfidence).empty(); });
 }
 
 /** Depth camera by the colour images of a phone: its depth images show the same with fewer pixels. */
@@ -226,7 +193,7 @@ RecordedCamera phoneCamera(const Intrinsics& colour, const PngSize& size, const 
   if (!k.valid() || !isCentred(k, size))
     throw IoError(file.string(), "its camera has images of another size");
   return {
-      fileOf(k, kMillimetres, *findCameraPreset("phone_lidar")),
+      cameraFileOf(k, kMillimetres, *findCameraPreset("phone_lidar")),
       fmt::format("there is no camera.ini: the intrinsics are those of {} for colour images of {} columns, "
                   "depths are millimetres, the noise a phone's",
                   file.string(), width)};
@@ -254,7 +221,8 @@ std::optional<RecordedCamera> calibratedCamera(const PngSize& size, const std::v
     if (no_size && is_phone && !isCentred(k, size)) return phoneCamera(k, size, file);
     if (no_size && isCentred(k, size)) k.width = size.width, k.height = size.height;
     if (k.width != size.width || k.height != size.height) continue;
-    RecordedCamera camera{fileOf(k, found->depth_scale.value_or(kMillimetres), cameraPresets().front())};
+    RecordedCamera camera{
+        cameraFileOf(k, found->depth_scale.value_or(kMillimetres), cameraPresets().front())};
     camera.file.lens = found->lens;
     camera.remark = fmt::format(
         "there is no camera.ini: the intrinsics{} are those of {}, depths are {}, the "
@@ -268,6 +236,15 @@ std::optional<RecordedCamera> calibratedCamera(const PngSize& size, const std::v
 
 }  // namespace
 
+CameraFile cameraFileOf(const Intrinsics& intrinsics, double depth_scale, const CameraPreset& preset) {
+  CameraFile file;
+  file.camera = preset.camera();
+  file.camera.intrinsics = intrinsics;
+  file.depth_scale = depth_scale;
+  file.preset = preset.name;
+  return file;
+}
+
 std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std::vector<fs::path>& beside,
                                        const std::vector<fs::path>& within, const fs::path& asked) {
   if (const auto file = findIn(beside, kCameraFile)) return RecordedCamera{readCameraFile(*file)};
@@ -276,7 +253,7 @@ std::optional<RecordedCamera> cameraOf(const RecordingLayout& layout, const std:
   for (const char* name : kMatrices)
     if (const auto matrix = findIn(beside, name)) {
       const CameraPreset& usual = cameraPresets().front();
-      return RecordedCamera{fileOf(readMatrix(*matrix, *size), kMillimetres, usual),
+      return RecordedCamera{cameraFileOf(readMatrix(*matrix, *size), kMillimetres, usual),
                             fmt::format("there is no camera.ini: the intrinsics are those of {}, depths are "
                                         "taken to be millimetres, the noise a {}'s",
                                         matrix->string(), usual.name)};

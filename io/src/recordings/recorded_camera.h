@@ -3,6 +3,7 @@
 
 #include "recordings/recording_layout.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/camera_file.h>
 
 #include <filesystem>
@@ -20,6 +21,9 @@ struct RecordedCamera {
   CameraFile file;
   std::string remark{};  ///< where it is from, if not from a camera.ini or the user
 };
+
+/** \brief A camera with the noise and largest depth of a preset. */
+CameraFile cameraFileOf(const Intrinsics& intrinsics, double depth_scale, const CameraPreset& preset);
 
 /** \brief The camera by the files of a recording: camera.ini, else a matrix of intrinsics as 3DMatch
  * and ScanNet have it, the .xml of PCL's recorders, the camera of a phone, or a calibration in YAML or JSON

@@ -57,16 +57,10 @@ Trajectory changed(const Trajectory& poses, const std::function<void(StampedPose
 
 /** Nothing if the pose was lost. */
 std::optional<Eigen::Isometry3d> readPoseMatrix(const fs::path& path) {
-  const std::string content = files::readText(path);
-  const auto words = text::words(content);
-  Eigen::Matrix4d m;
-  if (words.size() != static_cast<std::size_t>(m.size()))
-    throw IoError(path.string(), fmt::format("has {} numbers instead of the 16 of a pose", words.size()));
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto value = text::to<double>(words[i]);
-    if (!value) throw IoError(path.string(), text::quoted(words[i]) + " is not a number");
-    m(static_cast<Eigen::Index>(i) / 4, static_cast<Eigen::Index>(i) % 4) = *value;
-  }
+  const std::vector<double> numbers = numbersOf(files::readText(path), path);
+  if (numbers.size() != 16)
+    throw IoError(path.string(), fmt::format("has {} numbers instead of the 16 of a pose", numbers.size()));
+  const Eigen::Matrix4d m = Eigen::Map<const Eigen::Matrix4d>(numbers.data()).transpose();
   if (!m.allFinite()) return {};
   try {
     return poseOfMatrix(m);
@@ -82,10 +76,6 @@ std::string lostPoses(const PoseTable& table, const fs::path& path) {
   return {};
 }
 
-void say(std::string& remark, const std::string& more) {
-  if (!more.empty()) remark += (remark.empty() ? "" : "; ") + more;
-}
-
 /** \param stampOf the i-th row */
 template <typename StampOf>
 Trajectory posesAt(const PoseTable& table, StampOf stampOf) {
@@ -97,8 +87,9 @@ Trajectory posesAt(const PoseTable& table, StampOf stampOf) {
 
 ReadPoses byOrder(const PoseTable& table, const ImageTimes& images, const fs::path& path) {
   ReadPoses read{posesAt(table, [&](std::size_t i) { return images.stamps[i]; }), {}};
-  say(read.remark, fmt::format("{}: its {} poses are those of the images, in their order", path.string(),
-                               table.rows.size()));
+  addSentence(fmt::format("{}: its {} poses are those of the images, in their order", path.string(),
+                          table.rows.size()),
+              read.remark);
   return read;
 }
 
@@ -124,7 +115,7 @@ ReadPoses byIndex(const PoseTable& table, const ImageTimes& images, const fs::pa
   of_images.rows.clear();
   for (const double n : images.numbers) of_images.rows.push_back(table.rows[static_cast<std::size_t>(n)]);
   ReadPoses read{posesAt(of_images, [&](std::size_t i) { return images.stamps[i]; }), {}};
-  say(read.remark, fmt::format("{}: image N is taken to have pose N, counted from 0", path.string()));
+  addSentence(fmt::format("{}: image N is taken to have pose N, counted from 0", path.string()), read.remark);
   return read;
 }
 
@@ -159,8 +150,9 @@ ReadPoses stampedPoses(const PoseTable& table, const fs::path& path) {
     throw IoError(path.string(), "has poses without time stamps, which belong to the images of a recording");
   ReadPoses read{posesAt(table, [&](std::size_t i) { return table.rows[i].stamp * table.unit.seconds; }), {}};
   if (table.unit.seconds != 1 && !table.unit.counted)
-    say(read.remark, fmt::format("{}: its stamps are taken to be {}", path.string(), table.unit.toString()));
-  say(read.remark, lostPoses(table, path));
+    addSentence(fmt::format("{}: its stamps are taken to be {}", path.string(), table.unit.toString()),
+                read.remark);
+  addSentence(lostPoses(table, path), read.remark);
   return read;
 }
 
@@ -188,7 +180,7 @@ ReadPoses matched(const PoseTable& table, const ImageTimes& images, const fs::pa
                                            : "",
                     images.stamps.size(),
                     images.unit.counted ? ", whose names are numbers and no times" : ""));
-  say(read.remark, lostPoses(table, path));
+  addSentence(lostPoses(table, path), read.remark);
   return read;
 }
 

@@ -204,11 +204,9 @@ private:
   /** The first one by its name; empty without one. */
   fs::path iclTrajectory() const {
     for (const fs::path& folder : beside_) {
-      std::vector<fs::path> found;
-      std::error_code ignored;
-      for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (endsWith(entry.path().filename().string(), kIclEnding)) found.push_back(entry.path());
-      if (!found.empty()) return *std::min_element(found.begin(), found.end());
+      const auto found = files::entriesOf(
+          folder, [](const auto& entry) { return endsWith(entry.path().filename().string(), kIclEnding); });
+      if (!found.empty()) return found.front();
     }
     return {};
   }
@@ -295,7 +293,7 @@ private:
     say(fmt::format("the images are only numbered: they are taken to be 1/{} s apart", kFrameRate));
   }
 
-  void say(const std::string& words) { layout_.remark += (layout_.remark.empty() ? "" : "; ") + words; }
+  void say(const std::string& words) { addSentence(words, layout_.remark); }
 
   std::vector<ListedImage> images_;
   std::vector<fs::path> beside_, within_;

@@ -5,6 +5,7 @@
 #include "recordings/depth_messages.h"
 #include "recordings/image_container.h"
 #include "recordings/pose_table.h"
+#include "recordings/recorded_camera.h"
 #include "recordings/rtabmap_blobs.h"
 
 #include <facetloc/features/camera_presets.h>
@@ -187,13 +188,7 @@ public:
   std::optional<Eigen::Isometry3d> pose(std::size_t index) const override { return nodes_.at(index).T_w_c; }
 
   CameraFile camera() const override {
-    const CameraPreset& preset = cameraPresets().front();
-    CameraFile camera;
-    camera.camera = preset.camera();
-    camera.preset = preset.name;
-    camera.camera.intrinsics = intrinsics_;
-    camera.depth_scale = kMillimetres;
-    return camera;
+    return cameraFileOf(intrinsics_, kMillimetres, cameraPresets().front());
   }
 
   DepthImage read(std::size_t index) const override {

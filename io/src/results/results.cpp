@@ -163,14 +163,11 @@ fs::path poseFile(const fs::path& folder, const std::string& part) {
 
 /** Files of an earlier run, of parts that may not come again. */
 void removePosesOfParts(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (entry.is_regular_file() && name.rfind(kPosesOfPart, 0) == 0 &&
-        entry.path().extension() == kPosesEnding)
-      files.push_back(entry.path());
-  }
-  for (const fs::path& file : files) fs::remove(file);
+  const auto isOfPart = [](const fs::directory_entry& entry) {
+    return entry.is_regular_file() && entry.path().filename().string().rfind(kPosesOfPart, 0) == 0 &&
+           entry.path().extension() == kPosesEnding;
+  };
+  for (const fs::path& file : files::entriesOf(folder, isOfPart)) fs::remove(file);
 }
 
 Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row, const PoseNames& names) {

@@ -82,19 +82,11 @@ std::optional<Eigen::Isometry3d> Trajectory::interpolated(double stamp) const {
 }
 
 Trajectory readTumTrajectory(const std::filesystem::path& path) {
-  const std::string content = files::readText(path);
   std::vector<StampedPose> poses;
-  int number = 0;
-  for (const std::string_view line : text::lines(content)) {
-    ++number;
+  files::forEachLine(files::readText(path), path.string(), [&poses](std::string_view line) {
     const auto words = text::words(text::withoutComment(line));
-    if (words.empty()) continue;
-    try {
-      poses.push_back(parsePose(words));
-    } catch (const std::invalid_argument& e) {
-      throw IoError(path.string(), fmt::format("line {}: {}", number, e.what()));
-    }
-  }
+    if (!words.empty()) poses.push_back(parsePose(words));
+  });
   return Trajectory(std::move(poses));
 }
 
