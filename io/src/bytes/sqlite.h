@@ -76,6 +76,16 @@ public:
   using std::runtime_error::runtime_error;
 };
 
+/** \brief Does work on a file, and makes its BadCell an IoError: the cause, and the fault. */
+template <typename Work>
+auto naming(const std::string& file, const std::string& cause, const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const BadCell& e) {
+    throw IoError(file, cause + e.what());
+  }
+}
+
 /** \brief A prepared statement. Values are bound, and cells of a row are read, one after the other. */
 class Statement {
 public:

@@ -58,7 +58,7 @@ void requireMap(Connection& db) {
 void requireRealTables(Connection& db) {
   std::vector<std::string> tables;
   Statement entry(db, "SELECT type, name, coalesce(sql, '') AS sql FROM sqlite_master");
-  try {
+  sqlite::naming(db.name(), "is not sound: ", [&] {
     while (entry.step()) {
       const std::string type = entry.text(), name = entry.text(), sql = entry.text();
       if (type != "table" && type != "index") throw BadCell(fmt::format("it holds a {}, {}", type, name));
@@ -75,9 +75,7 @@ void requireRealTables(Connection& db) {
     for (const char* needed : schema::kTableNames)
       if (std::find(tables.begin(), tables.end(), needed) == tables.end())
         throw BadCell(std::string("it has no table ") + needed);
-  } catch (const BadCell& e) {
-    throw IoError(db.name(), std::string("is not sound: ") + e.what());
-  }
+  });
 }
 
 void configureForWriting(Connection& db) {

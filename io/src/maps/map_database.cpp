@@ -28,17 +28,12 @@ using sqlite::Transaction;
 
 bool isReserved(const std::string& key) { return key == kFormatKey || key == kConventionsKey; }
 
-// ---- Writing, inside a transaction of the caller
-// -----------------------------------------------------------------------
+// Writing, inside a transaction of the caller.
 
 /** Runs work that may fail, and names the item that it failed for. */
 template <typename Work>
 void describing(const Connection& db, const std::string& thing, const Work& work) {
-  try {
-    work();
-  } catch (const BadCell& e) {
-    throw IoError(db.name(), fmt::format("cannot add {}: {}", thing, e.what()));
-  }
+  sqlite::naming(db.name(), fmt::format("cannot add {}: ", thing), work);
 }
 
 void insertMeta(Connection& db, const std::string& key, const std::string& value) {
@@ -160,8 +155,7 @@ void updatePose(Connection& db, int model_id, const std::optional<Eigen::Isometr
   (statement << T_w_m << model_id).run();
 }
 
-// ---- Checking
-// --------------------------------------------------------------------------------------------------------
+// Checking.
 
 void append(std::vector<std::string>& faults, const std::vector<std::string>& more) {
   faults.insert(faults.end(), more.begin(), more.end());
@@ -181,8 +175,7 @@ std::vector<std::string> integrityFaults(Connection& db) {
 
 }  // namespace
 
-// ---- The public face
-// -------------------------------------------------------------------------------------------------
+// The public face.
 
 struct MapDatabase::Impl {
   template <class... Model>
@@ -287,11 +280,9 @@ void MapDatabase::setPoses(const std::vector<std::optional<Eigen::Isometry3d>>& 
 std::vector<std::string> MapDatabase::modelNames() const {
   std::vector<std::string> names;
   Statement row(impl_->db, "SELECT name FROM model ORDER BY id");
-  try {
+  sqlite::naming(impl_->db.name(), "", [&] {
     while (row.step()) names.push_back(row.text());
-  } catch (const BadCell& e) {
-    throw IoError(impl_->db.name(), e.what());
-  }
+  });
   return names;
 }
 

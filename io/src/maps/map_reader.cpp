@@ -64,16 +64,18 @@ bool hasGravity(sqlite::Connection& db) {
   return Statement(db, "SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = 'gravity'").step();
 }
 
-/** Calls a function for every row; a bad row is reported with the label that the function has set so far. */
+/** Calls a function for every row; a bad row is reported with its label, which the function may make clearer.
+ */
 template <typename Function>
-void MapReader::forEachRow(const std::string& sql, const Function& function) {
-  Statement row(db_, sql);
+void MapReader::forEachRow(const char* columns, const char* table, const char* order, const char* label,
+                           const Function& function) {
+  Statement row(db_, schema::select(columns, table, order));
   while (row.step()) {
-    std::string label = "a row";
+    std::string of_row = label;
     try {
-      function(row, label);
+      function(row, of_row);
     } catch (const BadCell& e) {
-      faults_.push_back(fmt::format("{}: {}", label, e.what()));
+      faults_.push_back(fmt::format("{}: {}", of_row, e.what()));
     }
   }
 }
@@ -86,8 +88,7 @@ std::size_t MapReader::modelOf(int id, std::string& label) const {
 }
 
 void MapReader::readMeta() {
-  forEachRow(schema::select("key, value", "meta", "key"), [this](Statement& row, std::string& label) {
-    label = "a row of meta";
+  forEachRow("key, value", "meta", "key", "a row of meta", [this](Statement& row, std::string&) {
     const std::string key = row.text();
     map_.meta[key] = row.text();
   });
@@ -99,45 +100,40 @@ void MapReader::readMeta() {
 }
 
 void MapReader::readCamera() {
-  forEachRow(schema::select(schema::kCameraColumns, "camera", "id"),
-             [this](Statement& row, std::string& label) {
-               label = "the camera";
-               row.skip(1);
-               map_.camera = map_rows::readCamera(row);
-             });
+  forEachRow(schema::kCameraColumns, "camera", "id", "the camera", [this](Statement& row, std::string&) {
+    row.skip(1);
+    map_.camera = map_rows::readCamera(row);
+  });
 }
 
 void MapReader::readAmbiguity() {
-  forEachRow(schema::select(schema::kAmbiguityColumns, "ambiguity", "id"),
-             [this](Statement& row, std::string& label) {
-               label = "the ambiguity";
+  forEachRow(schema::kAmbiguityColumns, "ambiguity", "id", "the ambiguity",
+             [this](Statement& row, std::string&) {
                row.skip(1);
                map_.ambiguity = map_rows::readAmbiguity(row);
              });
 }
 
 void MapReader::readModels() {
-  forEachRow(
-      schema::select(schema::kModelColumns, "model", "id"), [this](Statement& row, std::string& label) {
-        const int index = static_cast<int>(map_.models.size());
-        label = fmt::format("model {}", index);
-        map_.models.emplace_back();  // even a bad model keeps its place, so that the next ones have theirs
-        views_.emplace_back();
-        num_segments_.push_back(0);
-        require(row.integer() == index, "the model numbers have a gap before it");
-        ModelRow read = readModel(row);
-        map_.models.back() = std::move(read.model);
-        views_.back().intrinsics = read.intrinsics;
-        views_.back().depth.noise = map_.camera.noise;  // unless it has a picture
-        num_segments_.back() = read.num_segments;
-      });
+  forEachRow(schema::kModelColumns, "model", "id", "a row", [this](Statement& row, std::string& label) {
+    const int index = static_cast<int>(map_.models.size());
+    label = fmt::format("model {}", index);
+    map_.models.emplace_back();  // even a bad model keeps its place, so that the next ones have theirs
+    views_.emplace_back();
+    num_segments_.push_back(0);
+    require(row.integer() == index, "the model numbers have a gap before it");
+    ModelRow read = readModel(row);
+    map_.models.back() = std::move(read.model);
+    views_.back().intrinsics = read.intrinsics;
+    views_.back().depth.noise = map_.camera.noise;  // unless it has a picture
+    num_segments_.back() = read.num_segments;
+  });
 }
 
 void MapReader::readSegments() {
   std::vector<int> found(map_.models.size(), 0);
-  forEachRow(schema::select(schema::kSegmentColumns, "segment", "model_id, idx"),
+  forEachRow(schema::kSegmentColumns, "segment", "model_id, idx", "a segment",
              [&](Statement& row, std::string& label) {
-               label = "a segment";
                const int model_id = row.integer(), index = row.integer();
                label = fmt::format("segment {}", index);
                const std::size_t model = modelOf(model_id, label);
@@ -153,9 +149,8 @@ void MapReader::readSegments() {
 
 void MapReader::readGravity() {
   if (!hasGravity(db_)) return;
-  forEachRow(schema::select(schema::kGravityColumns, "gravity", "model_id"),
+  forEachRow(schema::kGravityColumns, "gravity", "model_id", "the gravity",
              [this](Statement& row, std::string& label) {
-               label = "the gravity";
                View& view = views_[modelOf(row.integer(), label)];
                view.gravity = map_rows::readGravity(row);
              });
@@ -178,10 +173,8 @@ void MapReader::requireMemoryForPictures() {
 void MapReader::readPictures(Views views) {
   const bool whole = views != Views::leave;
   if (whole) requireMemoryForPictures();
-  forEachRow(schema::select(whole ? schema::kPictureColumns : schema::kPictureHeadColumns, "depth_picture",
-                            "model_id"),
-             [&](Statement& row, std::string& label) {
-               label = "the depth picture";
+  forEachRow(whole ? schema::kPictureColumns : schema::kPictureHeadColumns, "depth_picture", "model_id",
+             "the depth picture", [&](Statement& row, std::string& label) {
                View& view = views_[modelOf(row.integer(), label)];
                if (views == Views::leave)
                  readPictureHead(row, view.intrinsics);
@@ -192,8 +185,7 @@ void MapReader::readPictures(Views views) {
 }
 
 void MapReader::readLinks() {
-  forEachRow(schema::select(schema::kLinkColumns, "link", "id"), [this](Statement& row, std::string& label) {
-    label = "a link";
+  forEachRow(schema::kLinkColumns, "link", "id", "a link", [this](Statement& row, std::string& label) {
     label = fmt::format("link {}", row.integer());
     const Link link = readLink(row);
     require(linked_.emplace(link.from, link.to).second, "another one joins the same models");

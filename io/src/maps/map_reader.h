@@ -44,7 +44,8 @@ private:
   enum class Views { keep, look_at, leave };
   void readAll(Views views);
   template <typename Function>
-  void forEachRow(const std::string& sql, const Function& function);
+  void forEachRow(const char* columns, const char* table, const char* order, const char* label,
+                  const Function& function);
   std::size_t modelOf(int id, std::string& label) const;
   void readMeta();
   void readCamera();

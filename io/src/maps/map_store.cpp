@@ -24,31 +24,16 @@ using sqlite::Connection;
 using sqlite::Statement;
 
 /** The view of one local model as its file has it. */
-class PackedView {
-public:
+struct PackedView {
+  std::string file, cause;  // for errors
+  View view;                // without its picture
+  std::optional<PackedPicture> picture;
+
   /** Needs the file no more. Throws IoError if the view is not sound. */
-  View unpacked() &&;
-
-private:
-  friend class ViewReader;
-  std::string file_, label_;
-  View view_;  // without its picture
-  std::optional<map_rows::PackedPicture> picture_;
-};
-
-/** Looks up views of local models, one at a time. */
-class ViewReader {
-public:
-  /** \param noise of views without a picture */
-  ViewReader(sqlite::Connection& db, const DepthNoise& noise);
-  /** Throws IoError if it is missing or invalid. */
-  PackedView read(int model);
-
-private:
-  sqlite::Connection& db_;
-  DepthNoise usual_noise_;
-  sqlite::Statement of_model_, segments_, picture_;  // statements for the model that is bound to them
-  std::optional<sqlite::Statement> gravity_;         // the same; nothing in a map without the table
+  View unpacked() && {
+    if (picture) view.depth = sqlite::naming(file, cause, [this] { return map_rows::unpacked(*picture); });
+    return std::move(view);
+  }
 };
 
 /** The rows that a prepared statement has for a model. Left open, they would keep others from writing. */
@@ -69,21 +54,29 @@ std::string ofModel(const char* columns, const char* table, const char* model) {
   return schema::select(columns, table) + " WHERE " + model + " = ?";
 }
 
-ViewReader::ViewReader(Connection& db, const DepthNoise& noise)
-    : db_(db),
-      usual_noise_(noise),
-      of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
-      segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
-      picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
-  if (hasGravity(db)) gravity_.emplace(db, ofModel(schema::kGravityColumns, "gravity", "model_id"));
-}
+/** Looks up views of local models, one at a time. */
+class ViewReader {
+public:
+  /** \param noise of views without a picture */
+  ViewReader(Connection& db, const DepthNoise& noise)
+      : db_(db),
+        usual_noise_(noise),
+        of_model_(db, ofModel(schema::kModelColumns, "model", "id")),
+        segments_(db, ofModel(schema::kSegmentColumns, "segment", "model_id") + " ORDER BY idx"),
+        picture_(db, ofModel(schema::kPictureColumns, "depth_picture", "model_id")) {
+    if (hasGravity(db)) gravity_.emplace(db, ofModel(schema::kGravityColumns, "gravity", "model_id"));
+  }
 
-PackedView ViewReader::read(int model) {
-  PackedView packed;
-  packed.file_ = db_.name();
-  packed.label_ = fmt::format("model {}", model);
-  View& view = packed.view_;
-  try {
+  /** Throws IoError if it is missing or invalid. */
+  PackedView read(int model) {
+    PackedView packed{db_.name(), fmt::format("is not sound: model {}: ", model), {}, {}};
+    sqlite::naming(packed.file, packed.cause, [&] { read(model, packed); });
+    return packed;
+  }
+
+private:
+  void read(int model, PackedView& packed) {
+    View& view = packed.view;
     const RowsOf of_model(of_model_, model);
     require(of_model->step(), "there is no such model");
     of_model->skip(1);
@@ -103,28 +96,21 @@ PackedView ViewReader::read(int model) {
       const RowsOf gravity(*gravity_, model);
       if (gravity->step()) {
         gravity->skip(1);
-        view.gravity = map_rows::readGravity(gravity.row());
+        view.gravity = readGravity(gravity.row());
       }
     }
 
     const RowsOf picture(picture_, model);
-    if (!picture->step()) return packed;
+    if (!picture->step()) return;
     picture->skip(1);
-    packed.picture_ = readPicture(picture.row(), view.intrinsics);
-  } catch (const BadCell& e) {
-    throw IoError(packed.file_, fmt::format("is not sound: {}: {}", packed.label_, e.what()));
+    packed.picture = readPicture(picture.row(), view.intrinsics);
   }
-  return packed;
-}
 
-View PackedView::unpacked() && {
-  try {
-    if (picture_) view_.depth = map_rows::unpacked(*picture_);
-  } catch (const BadCell& e) {
-    throw IoError(file_, fmt::format("is not sound: {}: {}", label_, e.what()));
-  }
-  return std::move(view_);
-}
+  Connection& db_;
+  DepthNoise usual_noise_;
+  Statement of_model_, segments_, picture_;  // statements for the model that is bound to them
+  std::optional<Statement> gravity_;         // the same; nothing in a map without the table
+};
 
 /** Pixels of a usual depth picture, half of 320x240. */
 constexpr std::size_t kUsualPixels = 160 * 120;

@@ -38,19 +38,9 @@ struct KnownCamera {
 
 using Kind = RecordingLayout::Kind;
 const KnownCamera kKnown[] = {
-    {"TUM RGB-D, freiburg1",
-     "freiburg1",
-     Kind::plain,
-     {640, 480, 517.3, 516.5, 318.6, 255.3},
-     kTum,
-     "kinect"},
-    {"TUM RGB-D, freiburg2",
-     "freiburg2",
-     Kind::plain,
-     {640, 480, 520.9, 521.0, 325.1, 249.7},
-     kTum,
-     "kinect"},
-    {"TUM RGB-D, freiburg3", "freiburg3", Kind::plain, {640, 480, 535.4, 539.2, 320.1, 247.6}, kTum, "xtion"},
+    {"TUM RGB-D", "freiburg1", Kind::plain, {640, 480, 517.3, 516.5, 318.6, 255.3}, kTum, "kinect"},
+    {"TUM RGB-D", "freiburg2", Kind::plain, {640, 480, 520.9, 521.0, 325.1, 249.7}, kTum, "kinect"},
+    {"TUM RGB-D", "freiburg3", Kind::plain, {640, 480, 535.4, 539.2, 320.1, 247.6}, kTum, "xtion"},
     {"7-Scenes", "", Kind::seven_scenes, {640, 480, 585, 585, 320, 240}, kMillimetres, "kinect"},
     {"ICL-NUIM", "", Kind::icl_nuim, {640, 480, 481.2, 480, 319.5, 239.5}, kTum, "kinect", true},
 };
@@ -89,8 +79,8 @@ std::optional<RecordedCamera> knownCamera(const RecordingLayout& layout, const P
     if (!fits) continue;
     RecordedCamera camera{cameraFileOf(known.intrinsics, known.depth_scale, *findCameraPreset(known.preset))};
     camera.file.y_axis_up = known.y_axis_up;
-    camera.remark =
-        std::string("there is no camera.ini: the camera is taken to be the one of ") + known.title;
+    camera.remark = fmt::format("there is no camera.ini: the camera is taken to be the one of {}{}{}",
+                                known.title, *known.folder ? ", " : "", known.folder);
     return camera;
   }
   return {};

@@ -43,11 +43,7 @@ public:
 private:
   template <typename Work>
   auto guarded(const Work& work) const -> decltype(work()) {
-    try {
-      return work();
-    } catch (const sqlite::BadCell& e) {
-      throw IoError(path().string(), std::string("is no sound recording of rosbag2: ") + e.what());
-    }
+    return sqlite::naming(path().string(), "is no sound recording of rosbag2: ", work);
   }
 
   void listTopics() {
