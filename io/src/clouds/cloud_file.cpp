@@ -49,7 +49,7 @@ pcl::PointCloud<PointT> pointsOf(const DepthImage& image, const Eigen::Isometry3
 
 std::vector<PointColour> readColours(const std::filesystem::path& path, const DepthImage& image) {
   const PcdHeader header(path);
-  if (header.width() != image.camera.width || header.height() != image.camera.height) return {};
+  if (header.width != image.camera.width || header.height != image.camera.height) return {};
   const pcl::PCLPointCloud2 raw = readPcd(path, header);
   using Field = pcl::PCLPointField;
   const auto fieldOfType = [&raw](const char* name, std::initializer_list<int> types) {

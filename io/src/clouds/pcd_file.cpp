@@ -48,7 +48,7 @@ Eigen::Isometry3d poseOf(const std::vector<double>& viewpoint) {
 /** The data after the header. */
 std::string bodyOf(const std::filesystem::path& path, const PcdHeader& header) {
   std::ifstream in(path, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(header.dataOffset()));
+  in.seekg(static_cast<std::streamoff>(header.data_offset));
   std::string body{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   if (!in.good() && !in.eof()) throw IoError(path.string(), "cannot be read");
   return body;
@@ -95,12 +95,12 @@ void readText(const std::string& body, const PcdHeader& header, const std::strin
               std::vector<std::uint8_t>& data) {
   WordReader words(body);
   std::uint8_t* place = data.data();
-  for (std::size_t point = 0; point < header.points(); ++point)
-    for (const Field& field : header.fields())
+  for (std::size_t point = 0; point < header.points; ++point)
+    for (const Field& field : header.fields)
       for (std::uint32_t k = 0; k < field.count; ++k, place += pcl::getFieldSize(field.datatype)) {
         const std::string_view word = words.next();
         if (word.empty())
-          throw IoError(path, fmt::format("is truncated: it ends in point {} of {}", point, header.points()));
+          throw IoError(path, fmt::format("is truncated: it ends in point {} of {}", point, header.points));
         if (!putNumber(field, word, place))
           throw IoError(path, fmt::format("is corrupt: '{}' is no {} of point {}", word, field.name, point));
       }
@@ -114,10 +114,10 @@ bool readCompressed(const std::string& body, const PcdHeader& header, std::vecto
   std::vector<std::uint8_t> columns(data.size());
   if (!lzfUnpack(std::string_view(body).substr(kSizes, packed), columns)) return false;
   const std::uint8_t* from = columns.data();
-  for (const Field& field : header.fields()) {
+  for (const Field& field : header.fields) {
     const std::size_t size = field.count * static_cast<std::size_t>(pcl::getFieldSize(field.datatype));
-    for (std::size_t point = 0; point < header.points(); ++point, from += size)
-      std::memcpy(data.data() + point * header.step() + field.offset, from, size);
+    for (std::size_t point = 0; point < header.points; ++point, from += size)
+      std::memcpy(data.data() + point * header.step + field.offset, from, size);
   }
   return true;
 }
@@ -174,6 +174,147 @@ std::vector<double> sevenIn(const std::vector<std::string_view>& words) {
   return found;
 }
 
+/** Reads the lines of a header, each once and in the order of the format. */
+class HeaderReader {
+public:
+  using Words = std::vector<std::string_view>;
+
+  HeaderReader(const std::string& path, bool may_be_empty, PcdHeader& header)
+      : path_(path), least_width_(may_be_empty ? 0 : 1), header_(header) {}
+
+  void read(std::istream& in) {
+    std::string start(kMaxHeaderBytes, '\0');
+    in.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(in.gcount()));
+    if (start.empty()) throw IoError(path_, "is empty");
+    parse(start);
+    requireSound();
+    in.clear();
+    in.seekg(0, std::ios::end);
+    requireLength(in, static_cast<std::uint64_t>(in.tellg()));
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& cause) const { throw IoError(path_, cause); }
+
+  void parse(std::string_view start) {
+    const auto* next = std::begin(kOrder);
+    while (!start.empty()) {
+      const std::size_t length = std::min(start.find('\n'), start.size() - 1) + 1;
+      const Words words = text::words(start.substr(0, length));
+      start.remove_prefix(length);
+      header_.data_offset += length;
+      if (words.empty() || words[0].front() == '#') continue;
+      const auto* key = std::find(next, std::end(kOrder), words[0]);
+      if (key == std::end(kOrder)) fail("is not a PCD file, or its header is corrupt");
+      next = key + 1;
+      store(words);
+      if (*key == "DATA") return;
+    }
+    fail("is not a PCD file, or is truncated: its header has no DATA line");
+  }
+
+  void store(const Words& words) {
+    if (words[0] == "FIELDS") names_.assign(words.begin() + 1, words.end());
+    if (words[0] == "SIZE") sizes_ = numbers(words);
+    if (words[0] == "TYPE") types_.assign(words.begin() + 1, words.end());
+    if (words[0] == "COUNT") counts_ = numbers(words);
+    if (words[0] == "WIDTH") width_ = number(words);
+    if (words[0] == "HEIGHT") height_ = number(words);
+    if (words[0] == "VIEWPOINT") header_.viewpoint = sevenIn(words);
+    if (words[0] == "POINTS") points_ = number(words);
+    if (words[0] == "DATA") header_.encoding = words.size() == 2 ? words[1] : "";
+  }
+
+  std::vector<std::uint64_t> numbers(const Words& words) const {
+    std::vector<std::uint64_t> found;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const auto value = text::to<std::uint64_t>(words[i]);
+      if (!value) fail(fmt::format("has a corrupt header: '{}' is not a count", words[i]));
+      found.push_back(*value);
+    }
+    return found;
+  }
+
+  std::uint64_t number(const Words& words) const {
+    const auto found = numbers(words);
+    if (found.size() != 1) fail(fmt::format("has a corrupt header: {} is not one number", words[0]));
+    return found[0];
+  }
+
+  void requireSound() {
+    if (counts_.empty()) counts_.assign(names_.size(), 1);
+    if (names_.empty() || sizes_.size() != names_.size() || types_.size() != names_.size() ||
+        counts_.size() != names_.size())
+      fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
+    for (std::size_t i = 0; i < names_.size(); ++i) addField(i);
+    const bool of_one_row = height_ == 1;  // a cloud that is not organized may have any number of points
+    const bool sides_ok = width_ >= least_width_ && width_ <= (of_one_row ? kMaxDataBytes : kMaxSide) &&
+                          height_ >= 1 && height_ <= kMaxSide;
+    if (!sides_ok || points_ != width_ * height_)
+      fail("has a corrupt header: WIDTH, HEIGHT and POINTS do not fit together");
+    if (points_ > kMaxDataBytes / header_.step) fail("has a corrupt header: it promises too many points");
+    header_.width = static_cast<int>(width_), header_.height = static_cast<int>(height_),
+    header_.points = points_;
+  }
+
+  void addField(std::size_t i) {
+    struct Type {
+      std::string_view name;
+      std::uint64_t size;
+      std::uint8_t type;
+    };
+    static constexpr Type kTypes[] = {
+        {"I", 1, Field::INT8},    {"I", 2, Field::INT16},  {"I", 4, Field::INT32},  {"I", 8, Field::INT64},
+        {"U", 1, Field::UINT8},   {"U", 2, Field::UINT16}, {"U", 4, Field::UINT32}, {"U", 8, Field::UINT64},
+        {"F", 4, Field::FLOAT32}, {"F", 8, Field::FLOAT64}};
+    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& t) {
+      return t.name == types_[i] && t.size == sizes_[i];
+    });
+    if (type == std::end(kTypes) || counts_[i] < 1 || counts_[i] > kMaxCount)
+      fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
+    Field field;
+    field.name = names_[i];
+    field.datatype = type->type;
+    field.count = static_cast<std::uint32_t>(counts_[i]);
+    field.offset = static_cast<std::uint32_t>(header_.step);
+    header_.fields.push_back(field);
+    header_.step += sizes_[i] * counts_[i];
+  }
+
+  void requireLength(std::istream& in, std::uint64_t file_size) const {
+    const std::uint64_t body = file_size - std::min<std::uint64_t>(file_size, header_.data_offset);
+    const std::uint64_t promised = points_ * header_.step;
+    const auto requireBytes = [&](std::uint64_t needed) {
+      if (body < needed) fail(fmt::format("is truncated: {} bytes of points instead of {}", body, needed));
+    };
+    if (header_.encoding == "ascii") {
+      std::uint64_t values = 0;
+      for (const std::uint64_t count : counts_) values += points_ * count;
+      requireBytes(std::max<std::uint64_t>(2 * values, 1) - 1);  // a digit and a blank each
+    } else if (header_.encoding == "binary") {
+      requireBytes(promised);
+    } else if (header_.encoding == "binary_compressed") {
+      std::uint32_t sizes[2] = {0, 0};  // packed, unpacked
+      requireBytes(sizeof sizes);
+      in.seekg(static_cast<std::streamoff>(header_.data_offset));
+      in.read(reinterpret_cast<char*>(sizes), sizeof sizes);
+      requireBytes(sizeof sizes + sizes[0]);
+      if (sizes[1] != promised || promised > kLzfMaxRatio * sizes[0])
+        fail("is corrupt: its compressed size does not fit its header");
+    } else {
+      fail("has a corrupt header: unknown DATA " + text::quoted(header_.encoding));
+    }
+  }
+
+  const std::string& path_;
+  const std::uint64_t least_width_;
+  PcdHeader& header_;
+  std::vector<std::string> names_, types_;
+  std::vector<std::uint64_t> sizes_, counts_;
+  std::uint64_t width_ = 0, height_ = 0, points_ = 0;
+};
+
 template <class Number>
 double asDouble(const void* bytes) {
   Number number;
@@ -183,150 +324,32 @@ double asDouble(const void* bytes) {
 
 }  // namespace
 
-PcdHeader::PcdHeader(const std::filesystem::path& path, bool may_be_empty)
-    : path_(path.string()), least_width_(may_be_empty ? 0 : 1) {
+PcdHeader::PcdHeader(const std::filesystem::path& path, bool may_be_empty) {
   files::requireRegularFile(path);
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw IoError(path_, "cannot be opened: " + files::lastError());
-  std::string start(kMaxHeaderBytes, '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
-  if (start.empty()) throw IoError(path_, "is empty");
-  parse(start);
-  requireSound();
-  in.clear();
-  in.seekg(0, std::ios::end);
-  requireLength(in, static_cast<std::uint64_t>(in.tellg()));
-}
-
-void PcdHeader::fail(const std::string& cause) const { throw IoError(path_, cause); }
-
-/** Each line once, and in the order of the format. */
-void PcdHeader::parse(std::string_view start) {
-  const auto* next = std::begin(kOrder);
-  while (!start.empty()) {
-    const std::size_t length = std::min(start.find('\n'), start.size() - 1) + 1;
-    const Words words = text::words(start.substr(0, length));
-    start.remove_prefix(length);
-    data_offset_ += length;
-    if (words.empty() || words[0].front() == '#') continue;
-    const auto* key = std::find(next, std::end(kOrder), words[0]);
-    if (key == std::end(kOrder)) fail("is not a PCD file, or its header is corrupt");
-    next = key + 1;
-    store(words);
-    if (*key == "DATA") return;
-  }
-  fail("is not a PCD file, or is truncated: its header has no DATA line");
-}
-
-void PcdHeader::store(const Words& words) {
-  if (words[0] == "FIELDS") names_.assign(words.begin() + 1, words.end());
-  if (words[0] == "SIZE") sizes_ = numbers(words);
-  if (words[0] == "TYPE") types_.assign(words.begin() + 1, words.end());
-  if (words[0] == "COUNT") counts_ = numbers(words);
-  if (words[0] == "WIDTH") width_ = number(words);
-  if (words[0] == "HEIGHT") height_ = number(words);
-  if (words[0] == "VIEWPOINT") viewpoint_ = sevenIn(words);
-  if (words[0] == "POINTS") points_ = number(words);
-  if (words[0] == "DATA") encoding_ = words.size() == 2 ? words[1] : "";
-}
-
-std::vector<std::uint64_t> PcdHeader::numbers(const Words& words) const {
-  std::vector<std::uint64_t> found;
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    const auto value = text::to<std::uint64_t>(words[i]);
-    if (!value) fail(fmt::format("has a corrupt header: '{}' is not a count", words[i]));
-    found.push_back(*value);
-  }
-  return found;
-}
-
-std::uint64_t PcdHeader::number(const Words& words) const {
-  const auto found = numbers(words);
-  if (found.size() != 1) fail(fmt::format("has a corrupt header: {} is not one number", words[0]));
-  return found[0];
-}
-
-void PcdHeader::requireSound() {
-  if (counts_.empty()) counts_.assign(names_.size(), 1);
-  if (names_.empty() || sizes_.size() != names_.size() || types_.size() != names_.size() ||
-      counts_.size() != names_.size())
-    fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
-  for (std::size_t i = 0; i < names_.size(); ++i) addField(i);
-  const bool of_one_row = height_ == 1;  // a cloud that is not organized may have any number of points
-  const bool sides_ok = width_ >= least_width_ && width_ <= (of_one_row ? kMaxDataBytes : kMaxSide) &&
-                        height_ >= 1 && height_ <= kMaxSide;
-  if (!sides_ok || points_ != width_ * height_)
-    fail("has a corrupt header: WIDTH, HEIGHT and POINTS do not fit together");
-  if (points_ > kMaxDataBytes / step_) fail("has a corrupt header: it promises too many points");
-}
-
-void PcdHeader::addField(std::size_t i) {
-  struct Type {
-    std::string_view name;
-    std::uint64_t size;
-    std::uint8_t type;
-  };
-  static constexpr Type kTypes[] = {
-      {"I", 1, Field::INT8},    {"I", 2, Field::INT16},  {"I", 4, Field::INT32},  {"I", 8, Field::INT64},
-      {"U", 1, Field::UINT8},   {"U", 2, Field::UINT16}, {"U", 4, Field::UINT32}, {"U", 8, Field::UINT64},
-      {"F", 4, Field::FLOAT32}, {"F", 8, Field::FLOAT64}};
-  const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                  [&](const Type& t) { return t.name == types_[i] && t.size == sizes_[i]; });
-  if (type == std::end(kTypes) || counts_[i] < 1 || counts_[i] > kMaxCount)
-    fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
-  Field field;
-  field.name = names_[i];
-  field.datatype = type->type;
-  field.count = static_cast<std::uint32_t>(counts_[i]);
-  field.offset = static_cast<std::uint32_t>(step_);
-  fields_.push_back(field);
-  step_ += sizes_[i] * counts_[i];
-}
-
-void PcdHeader::requireLength(std::istream& in, std::uint64_t file_size) const {
-  const std::uint64_t body = file_size - std::min<std::uint64_t>(file_size, data_offset_);
-  const std::uint64_t promised = points_ * step_;
-  const auto requireBytes = [&](std::uint64_t needed) {
-    if (body < needed) fail(fmt::format("is truncated: {} bytes of points instead of {}", body, needed));
-  };
-  if (encoding_ == "ascii") {
-    std::uint64_t values = 0;
-    for (const std::uint64_t count : counts_) values += points_ * count;
-    requireBytes(std::max<std::uint64_t>(2 * values, 1) - 1);  // a digit and a blank each
-  } else if (encoding_ == "binary") {
-    requireBytes(promised);
-  } else if (encoding_ == "binary_compressed") {
-    std::uint32_t sizes[2] = {0, 0};  // packed, unpacked
-    requireBytes(sizeof sizes);
-    in.seekg(static_cast<std::streamoff>(data_offset_));
-    in.read(reinterpret_cast<char*>(sizes), sizeof sizes);
-    requireBytes(sizeof sizes + sizes[0]);
-    if (sizes[1] != promised || promised > kLzfMaxRatio * sizes[0])
-      fail("is corrupt: its compressed size does not fit its header");
-  } else {
-    fail("has a corrupt header: unknown DATA " + text::quoted(encoding_));
-  }
+  if (!in) throw IoError(path.string(), "cannot be opened: " + files::lastError());
+  const std::string name = path.string();
+  HeaderReader(name, may_be_empty, *this).read(in);
 }
 
 pcl::PCLPointCloud2 readPcd(const std::filesystem::path& path, const PcdHeader& header,
                             Eigen::Isometry3d* viewpoint) {
   pcl::PCLPointCloud2 cloud;
-  cloud.width = static_cast<std::uint32_t>(header.width());
-  cloud.height = static_cast<std::uint32_t>(header.height());
-  cloud.fields = header.fields();
-  cloud.point_step = static_cast<std::uint32_t>(header.step());
+  cloud.width = static_cast<std::uint32_t>(header.width);
+  cloud.height = static_cast<std::uint32_t>(header.height);
+  cloud.fields = header.fields;
+  cloud.point_step = static_cast<std::uint32_t>(header.step);
   cloud.row_step = cloud.point_step * cloud.width;
   cloud.is_dense = false;
-  cloud.data.resize(header.points() * header.step());
+  cloud.data.resize(header.points * header.step);
   const std::string body = bodyOf(path, header);
-  if (header.encoding() == "ascii")
+  if (header.encoding == "ascii")
     readText(body, header, path.string(), cloud.data);
-  else if (header.encoding() == "binary")
+  else if (header.encoding == "binary")
     std::memcpy(cloud.data.data(), body.data(), cloud.data.size());
   else if (!readCompressed(body, header, cloud.data))
     throw IoError(path.string(), "is a corrupt PCD file: its points cannot be unpacked");
-  if (viewpoint) *viewpoint = poseOf(header.viewpoint());
+  if (viewpoint) *viewpoint = poseOf(header.viewpoint);
   return cloud;
 }
 

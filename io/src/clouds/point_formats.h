@@ -41,48 +41,18 @@ private:
 
 /** \brief The header of a PCD file, read strictly and compared with the size of the file: it promises no more
  * than the file has. */
-class PcdHeader {
-public:
+struct PcdHeader {
   /** \brief Throws IoError for anything that is not a sound PCD file of the promised length, or has no point,
    * unless it may be empty. */
   explicit PcdHeader(const std::filesystem::path& path, bool may_be_empty = false);
 
-  int width() const { return static_cast<int>(width_); }
-  int height() const { return static_cast<int>(height_); }
-  std::size_t points() const { return points_; }
-  /** \brief Fields in their order, packed. */
-  const std::vector<pcl::PCLPointField>& fields() const { return fields_; }
-  /** \brief Bytes of a point. */
-  std::size_t step() const { return step_; }
-  /** \brief x y z qw qx qy qz of the sensor; no numbers if the header says nothing. */
-  const std::vector<double>& viewpoint() const { return viewpoint_; }
-  /** \brief "ascii", "binary" or "binary_compressed". */
-  const std::string& encoding() const { return encoding_; }
-  /** \brief Where the points begin in the file. */
-  std::uint64_t dataOffset() const { return data_offset_; }
-
-private:
-  using Words = std::vector<std::string_view>;
-
-  [[noreturn]] void fail(const std::string& cause) const;
-  void parse(std::string_view start);
-  void store(const Words& words);
-  std::vector<std::uint64_t> numbers(const Words& words) const;
-  std::uint64_t number(const Words& words) const;
-  void requireSound();
-  void addField(std::size_t i);
-  void requireLength(std::istream& in, std::uint64_t file_size) const;
-
-  std::string path_;
-  std::uint64_t least_width_;
-  std::vector<std::string> names_, types_;
-  std::vector<std::uint64_t> sizes_, counts_;
-  std::vector<pcl::PCLPointField> fields_;
-  std::size_t step_ = 0;
-  std::vector<double> viewpoint_;
-  std::uint64_t width_ = 0, height_ = 0, points_ = 0;
-  std::uint64_t data_offset_ = 0;
-  std::string encoding_;
+  int width = 0, height = 0;
+  std::size_t points = 0;
+  std::vector<pcl::PCLPointField> fields;  ///< as in the file, packed
+  std::size_t step = 0;                    ///< bytes of a point
+  std::vector<double> viewpoint;           ///< x y z qw qx qy qz of the sensor; empty if it is not said
+  std::string encoding;                    ///< "ascii", "binary" or "binary_compressed"
+  std::uint64_t data_offset = 0;           ///< where the points begin in the file
 };
 
 /** \brief The points of a PCD file with a sound header, packed, whatever the locale of the program is.

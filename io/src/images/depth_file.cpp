@@ -65,13 +65,10 @@ std::vector<float> metresOf(const std::vector<std::uint16_t>& values, double sca
   return metres;
 }
 
-const std::vector<const char*>& depthFileEndings() {
-  static const std::vector<const char*> endings = [] {
-    std::vector<const char*> all;
-    for (const Format& format : kFormats) all.push_back(format.ending);
-    return all;
-  }();
-  return endings;
+std::string depthFileEndings() {
+  std::string words;
+  for (const Format& format : kFormats) words += (words.empty() ? "" : ", ") + std::string(format.ending);
+  return words;
 }
 
 bool isDepthFile(const fs::path& path) { return formatOf(path) != nullptr; }

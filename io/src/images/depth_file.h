@@ -39,8 +39,8 @@ constexpr std::uint64_t kMostPixels = 1ull << 26;
 /** \brief Throws IoError for an image without pixels, or with more than any has. */
 void requireSize(const std::string& source, std::uint64_t width, std::uint64_t height);
 
-/** \brief Endings of such files, ".png" first. */
-const std::vector<const char*>& depthFileEndings();
+/** \brief Endings of such files, for messages: ".png, .pclzf, ...". */
+std::string depthFileEndings();
 /** \brief Is it one, by its name? */
 bool isDepthFile(const std::filesystem::path& path);
 /** \brief The size of an image by the head of its file; empty if it is no such file. */

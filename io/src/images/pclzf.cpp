@@ -9,9 +9,8 @@
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 
-#include <array>
+#include <cstring>
 #include <fmt/format.h>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -32,20 +31,16 @@ struct Header {
 
 /** "PCLZF", width, height, 16 characters of type, packed size, unpacked size; numbers in 4 bytes,
  * little-endian. */
-Header readHeader(const fs::path& file, std::istream& in) {
-  constexpr std::size_t kNumbers[] = {5, 9, 29, 33};
+Header readHeader(const fs::path& file, std::string_view bytes) {
+  constexpr std::size_t kPlaces[] = {5, 9, 29, 33};  // where numbers are
   constexpr std::uint32_t kLargestSide = 4096;
   constexpr std::uint32_t kMostPacked = 88;  // LZF unpacks 3 bytes to 264 at most
-  std::array<char, kHeader> bytes{};
-  if (!in.read(bytes.data(), bytes.size())) throw IoError(file.string(), "is truncated");
-  std::array<std::uint32_t, 4> numbers{};
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    for (std::size_t k = 4; k-- > 0;)
-      numbers[i] = numbers[i] << 8 | static_cast<std::uint8_t>(bytes[kNumbers[i] + k]);
-  const Header h{numbers[0], numbers[1], numbers[2], numbers[3]};
-  if (std::string_view(bytes.data(), 5) != "PCLZF") throw IoError(file.string(), "is no PCLZF file");
-  if (std::string_view(bytes.data() + 13, 7) != "depth16")
-    throw IoError(file.string(), "is no 16-bit depth image");
+  if (bytes.size() < kHeader) throw IoError(file.string(), "is truncated");
+  Header h;
+  std::uint32_t* to[] = {&h.width, &h.height, &h.packed, &h.unpacked};
+  for (std::size_t i = 0; i < 4; ++i) std::memcpy(to[i], bytes.data() + kPlaces[i], sizeof *to[i]);
+  if (bytes.substr(0, 5) != "PCLZF") throw IoError(file.string(), "is no PCLZF file");
+  if (bytes.substr(13, 7) != "depth16") throw IoError(file.string(), "is no 16-bit depth image");
   if (h.width == 0 || h.height == 0 || h.width > kLargestSide || h.height > kLargestSide)
     throw IoError(file.string(), fmt::format("its size of {}x{} pixels is impossible", h.width, h.height));
   if (h.unpacked != kDepthBytes * h.width * h.height)
@@ -55,11 +50,9 @@ Header readHeader(const fs::path& file, std::istream& in) {
   return h;
 }
 
-std::ifstream opened(const fs::path& path) {
+std::string bytesOf(const fs::path& path) {
   files::requireRegularFile(path);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw IoError(path.string(), "cannot be opened: " + files::lastError());
-  return in;
+  return files::readBytes(path);
 }
 
 /** Nothing if there is no such number. */
@@ -82,22 +75,17 @@ boost::property_tree::ptree readDepthCamera(const fs::path& path) {
 
 }  // namespace
 
-void requireSoundPclzf(const fs::path& path) {
-  std::ifstream in = opened(path);
-  readHeader(path, in);
-}
+void requireSoundPclzf(const fs::path& path) { readHeader(path, bytesOf(path)); }
 
 Raster<std::uint16_t> readPclzf(const fs::path& path) {
-  std::ifstream in = opened(path);
-  const Header header = readHeader(path, in);
-  const std::uintmax_t size = fs::file_size(path);
-  if (size - kHeader < header.packed)
+  const std::string file = bytesOf(path);
+  const Header header = readHeader(path, file);
+  const std::string_view packed = std::string_view(file).substr(kHeader, header.packed);
+  if (packed.size() < header.packed)
     throw IoError(path.string(),
-                  fmt::format("is truncated: {} packed bytes instead of {}", size - kHeader, header.packed));
-  std::string packed(header.packed, '\0');
+                  fmt::format("is truncated: {} packed bytes instead of {}", packed.size(), header.packed));
   std::vector<std::uint8_t> bytes(header.unpacked);
-  in.read(packed.data(), static_cast<std::streamsize>(packed.size()));
-  if (!in || !lzfUnpack(packed, bytes)) throw IoError(path.string(), "is corrupt: it cannot be unpacked");
+  if (!lzfUnpack(packed, bytes)) throw IoError(path.string(), "is corrupt: it cannot be unpacked");
   Raster<std::uint16_t> image{static_cast<int>(header.width), static_cast<int>(header.height), 1, {}};
   image.data.resize(std::size_t(header.width) * header.height);
   for (std::size_t i = 0; i < image.data.size(); ++i)

@@ -76,6 +76,14 @@ void readUpperTriangle(Statement& row, Matrix& m) {
     for (int j = i; j < m.cols(); ++j) m(i, j) = m(j, i) = row.real();
 }
 
+/** Cells that are all null, or read. */
+template <typename Read>
+auto unlessNull(Statement& row, int cells, const Read& read) -> std::optional<decltype(read(row))> {
+  if (!row.isNull()) return read(row);
+  row.skip(cells);
+  return {};
+}
+
 constexpr int kIntrinsicsCells = 6, kPoseCells = std::tuple_size<PoseColumns>::value, kMountingCells = 6,
               kDistortionCells = 5;
 
@@ -116,23 +124,12 @@ ConvexHull hullOf(const Blob& blob) {
   return hull;
 }
 
-std::optional<CameraMounting> readMounting(Statement& row) {
-  if (row.isNull()) {
-    row.skip(kMountingCells);
-    return {};
-  }
-  CameraMounting mounting;
-  mounting.height = row.real(), mounting.tilt_deg = row.real();
-  mounting.roll_deg = row.real(), mounting.pan_deg = row.real();
-  mounting.x = row.real(), mounting.y = row.real();
-  return mounting;
+CameraMounting readMounting(Statement& row) {
+  const auto cells = row.reals<kMountingCells>();
+  return {cells[0], cells[1], cells[2], cells[3], cells[4], cells[5]};
 }
 
-std::optional<DepthDistortion> readDistortion(Statement& row) {
-  if (row.isNull()) {
-    row.skip(kDistortionCells);
-    return {};
-  }
+DepthDistortion readDistortion(Statement& row) {
   const auto border = row.reals<4>();
   const Eigen::AlignedBox2d extent(Eigen::Vector2d(border[0], border[1]),
                                    Eigen::Vector2d(border[2], border[3]));
@@ -149,9 +146,7 @@ std::optional<DepthDistortion> readDistortion(Statement& row) {
 
 DepthNoise readNoise(Statement& row) {
   DepthNoise noise;
-  noise.inverse_depth_std = row.real();
-  noise.depth_std = row.real();
-  noise.depth_std_slope = row.real();
+  noise.inverse_depth_std = row.real(), noise.depth_std = row.real(), noise.depth_std_slope = row.real();
   return noise;
 }
 
@@ -267,10 +262,7 @@ ModelRow readModel(Statement& row) {
   ModelRow read;
   read.model.name = row.text();
   read.model.stamp = row.real();
-  if (row.isNull())
-    row.skip(kPoseCells);
-  else
-    read.model.T_w_m = readPose(row);
+  read.model.T_w_m = unlessNull(row, kPoseCells, readPose);
   read.intrinsics = readIntrinsics(row);
   read.num_segments = row.integer();
   read.model.alias_score = row.realOrNull();
@@ -280,16 +272,13 @@ ModelRow readModel(Statement& row) {
 
 Camera readCamera(Statement& row) {
   Camera camera;
-  if (row.isNull())
-    row.skip(kIntrinsicsCells);
-  else
-    camera.intrinsics = readIntrinsics(row);
+  camera.intrinsics = unlessNull(row, kIntrinsicsCells, readIntrinsics).value_or(camera.intrinsics);
   static_cast<DepthNoise&>(camera.noise) = readNoise(row);
   camera.noise.distortion_offset = row.real();
   camera.noise.distortion_slope = row.real();
   camera.max_depth = row.realOrNull().value_or(camera.max_depth);
-  camera.mounting = readMounting(row);
-  camera.distortion = readDistortion(row);
+  camera.mounting = unlessNull(row, kMountingCells, readMounting);
+  camera.distortion = unlessNull(row, kDistortionCells, readDistortion);
   requireSound(camera);
   return camera;
 }

@@ -360,9 +360,9 @@ namespace {
 
 internal::FileCloud readOrganizedPoints(const fs::path& path) {
   const PcdHeader header(path);
-  if (header.height() < 2 || header.width() < 2)
+  if (header.height < 2 || header.width < 2)
     throw IoError(path.string(),
-                  fmt::format("is not an organized cloud ({}x{})", header.width(), header.height()));
+                  fmt::format("is not an organized cloud ({}x{})", header.width, header.height));
   internal::FileCloud cloud;
   const pcl::PCLPointCloud2 raw = readPcd(path, header, &cloud.viewpoint);
   const auto coordinate = [&](const char* name) {
@@ -375,7 +375,7 @@ internal::FileCloud readOrganizedPoints(const fs::path& path) {
     };
   };
   const auto x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
-  cloud.points = pcl::PointCloud<pcl::PointXYZ>(header.width(), header.height());
+  cloud.points = pcl::PointCloud<pcl::PointXYZ>(header.width, header.height);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) cloud.points[i] = pcl::PointXYZ(x(i), y(i), z(i));
   cloud.points.is_dense = false;
   return cloud;

@@ -3,7 +3,7 @@
 #include "bytes/files.h"
 #include "bytes/plausible.h"
 #include "recordings/name_numbers.h"
-#include "recordings/pose_header.h"
+#include "recordings/pose_table.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>

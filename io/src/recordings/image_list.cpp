@@ -221,11 +221,7 @@ bool isImageList(const fs::path& path) {
   return extension == ".txt" || extension == ".lst" || extension == ".csv";
 }
 
-std::string imageEndings() {
-  std::string words = ".pcd";
-  for (const char* ending : depthFileEndings()) words += std::string(", ") + ending;
-  return words;
-}
+std::string imageEndings() { return ".pcd, " + depthFileEndings(); }
 
 std::vector<ListedImage> imagesOfFolder(const fs::path& folder) {
   std::vector<ListedImage> images;

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,22 @@
  * Files of poses in the forms in which people have them. Private to io. */
 
 namespace facetloc::internal {
+
+/** \brief A name of a column in lower case, and the unit in brackets behind it. */
+struct ColumnName {
+  std::string word, unit;
+
+  bool has(const char* part) const { return word.find(part) != std::string::npos; }
+  bool begins(const char* part) const { return word.rfind(part, 0) == 0; }
+  char last() const { return word.empty() ? ' ' : word.back(); }
+  bool isStamp() const;
+  /** \brief Seconds that a stamp of that name stands for; 0 if the name does not say it. */
+  double seconds() const;
+};
+
+/** \brief The cells between commas or semicolons, if there are any, or else between blanks; "[ns]" belongs to
+ * the cell before. */
+std::vector<ColumnName> columnNames(std::string_view line);
 
 /** \brief One pose of a file. */
 struct PoseRow {

@@ -43,7 +43,7 @@ bool isSegmentFile(const std::filesystem::path& path) {
 std::vector<Segment> readSegments(const std::filesystem::path& path) {
   constexpr std::size_t kMost = 65535;  // labels of an image
   const PcdHeader header(path, true);
-  const std::size_t n = std::size_t(header.width()) * header.height();
+  const std::size_t n = std::size_t(header.width) * header.height;
   if (n == 0) return {};
   if (n > kMost) throw IoError(path.string(), "has more segments than an image can have");
   const pcl::PCLPointCloud2 raw = readPcd(path, header);
