@@ -2,7 +2,7 @@
 // Bytes as poses, in the TUM format and in all other forms. Those that are read are found by their stamps,
 // and can be written.
 #include "fuzz_file.h"
-#include "recordings/recorded_poses.h"
+#include "recordings/pose_table.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/trajectory.h>

@@ -2,7 +2,6 @@
 // One trajectory in all the forms that people have.
 #include "base/text.h"
 #include "recordings/pose_table.h"
-#include "recordings/recorded_poses.h"
 #include "temporary_folder.h"
 
 #include <facetloc/features/camera_model.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.h"
 
-#include <facetloc/io/camera_keys.h>
+#include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_camera.h>
 #include <facetloc/segmentation/view_builder.h>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bytes/persistent_threads.h"
 #include "devices/openni_handle.h"
 
 #include <facetloc/io/error.h>
@@ -135,7 +134,7 @@ private:
 }  // namespace
 
 /** A second handle on the device, with streams of its own. Those of the base class are never started: each
- * calls back on a thread that ends with it, which OpenNI2 does not survive (persistent_threads.h). */
+ * calls back on a thread that ends with it, which OpenNI2 does not survive (openni_handle.h). */
 struct OpenNIGrabber::State : openni::OpenNI::DeviceStateChangedListener,
                               openni::OpenNI::DeviceDisconnectedListener {
   struct Stream {

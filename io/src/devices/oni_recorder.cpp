@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bytes/files.h"
-#include "bytes/persistent_threads.h"
 #include "bytes/temporary_file.h"
 #include "devices/openni_handle.h"
 

@@ -7,8 +7,7 @@
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"
 #include "recordings/message_file.h"
-#include "recordings/recorded_camera.h"
-#include "recordings/recorded_poses.h"
+#include "recordings/pose_table.h"
 #include "recordings/recording_layout.h"
 
 #include <facetloc/features/hole_grid.h>

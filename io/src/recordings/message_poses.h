@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "recordings/recorded_poses.h"
+#include "recordings/pose_table.h"
 
 #include <facetloc/io/gravity_record.h>
 #include <facetloc/io/trajectory.h>

@@ -6,7 +6,7 @@
 #include "recordings/image_list.h"
 #include "recordings/message_file.h"
 #include "recordings/message_poses.h"
-#include "recordings/recorded_camera.h"
+#include "recordings/recording_layout.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>

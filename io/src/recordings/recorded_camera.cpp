@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/recorded_camera.h"
-
 #include "base/text.h"
 #include "bytes/files.h"
 #include "images/depth_file.h"
 #include "recordings/calibration_file.h"
+#include "recordings/recording_layout.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>

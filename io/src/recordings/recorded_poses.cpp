@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/recorded_poses.h"
-
 #include "base/pose_axes.h"
 #include "base/text.h"
 #include "bytes/files.h"
+#include "recordings/pose_table.h"
 
 #include <facetloc/io/error.h>
 

@@ -5,7 +5,7 @@
 #include "recordings/depth_messages.h"
 #include "recordings/image_container.h"
 #include "recordings/pose_table.h"
-#include "recordings/recorded_camera.h"
+#include "recordings/recording_layout.h"
 #include "recordings/rtabmap_blobs.h"
 
 #include <facetloc/features/camera_presets.h>

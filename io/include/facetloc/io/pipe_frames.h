@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/io/camera_keys.h>
+#include <facetloc/io/camera_file.h>
 #include <facetloc/io/frame_source.h>
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bytes/persistent_threads.h"
+#include "devices/openni_handle.h"
 
 #include <condition_variable>
 #include <deque>
