@@ -26,13 +26,46 @@ constexpr const char* kOdometryFrame = "odom";
 class FrameTree {
 public:
   /** Reads all transforms, but for those of corrupt messages. */
-  explicit FrameTree(const MessageLog& log);
+  explicit FrameTree(const MessageLog& log) {
+    for (const MessageTopic& topic : log.topicsOf(TransformsMessage::kType)) {
+      const std::string fault =
+          log.readSound<TransformsMessage>(topic.name, [&](const TransformsMessage& message) {
+            std::vector<StampedPose> poses;
+            for (const TransformMessage& t : message.transforms)
+              poses.push_back(poseOf(t.header.stamp, t.pose, log.path().string()));
+            for (std::size_t i = 0; i < poses.size(); ++i) {
+              const TransformMessage& t = message.transforms[i];
+              transforms_[{t.header.frame, t.child_frame}].push_back(poses[i]);
+            }
+          });
+      addSentence(fault, faults_);
+    }
+  }
+
   /** The messages that were left out; empty if none was. */
   const std::string& faults() const { return faults_; }
 
   /** T_a_b, by fixed transforms alone; the identity if they are one frame. Nothing if they are not
    * connected. */
-  std::optional<Eigen::Isometry3d> fixed(const std::string& a, const std::string& b) const;
+  std::optional<Eigen::Isometry3d> fixed(const std::string& a, const std::string& b) const {
+    std::map<std::string, Eigen::Isometry3d> reached{{a, Eigen::Isometry3d::Identity()}};  // T_a_x
+    for (bool grows = true; grows && reached.count(b) == 0;) {
+      grows = false;
+      for (const auto& [edge, poses] : transforms_) {
+        const auto parent = reached.find(edge.first), child = reached.find(edge.second);
+        if ((parent == reached.end()) == (child == reached.end()) || !isFixed(edge)) continue;
+        const Eigen::Isometry3d& T = poses.front().T_w_c;
+        if (child == reached.end())
+          reached.emplace(edge.second, parent->second * T);
+        else
+          reached.emplace(edge.first, child->second * T.inverse());
+        grows = true;
+      }
+    }
+    const auto found = reached.find(b);
+    if (found == reached.end()) return {};
+    return found->second;
+  }
 
   /** The poses of a frame that moves. */
   struct Moving {
@@ -41,74 +74,35 @@ public:
   };
   /** The frame whose parent is `odom`, or else the one frame that moves above another. Empty
    * without one, or with several. \param below the frame that it has to be above, or empty */
-  std::optional<Moving> moving(const std::string& below) const;
+  std::optional<Moving> moving(const std::string& below) const {
+    for (const auto& [edge, poses] : transforms_)
+      if (edge.first == kOdometryFrame) return Moving{edge.first, edge.second, poses};
+    std::vector<Edge> found;
+    std::set<std::string> seen;
+    for (std::string frame = below; seen.insert(frame).second;) {
+      const auto above = std::find_if(transforms_.begin(), transforms_.end(),
+                                      [&frame](const auto& t) { return t.first.second == frame; });
+      if (above == transforms_.end()) break;
+      if (!isFixed(above->first)) found.push_back(above->first);
+      frame = above->first.first;
+    }
+    if (found.size() != 1) return {};
+    return Moving{found[0].first, found[0].second, transforms_.at(found[0])};
+  }
 
 private:
   using Edge = std::pair<std::string, std::string>;  // parent, child
-  bool isFixed(const Edge& edge) const;
+  bool isFixed(const Edge& edge) const {
+    constexpr double kSame = 1e-6;  // [m], and of the entries of rotations
+    const std::vector<StampedPose>& poses = transforms_.at(edge);
+    return std::all_of(poses.begin(), poses.end(), [&poses](const StampedPose& pose) {
+      return (pose.T_w_c.matrix() - poses.front().T_w_c.matrix()).cwiseAbs().maxCoeff() <= kSame;
+    });
+  }
+
   std::map<Edge, std::vector<StampedPose>> transforms_;
   std::string faults_;
 };
-
-FrameTree::FrameTree(const MessageLog& log) {
-  for (const MessageTopic& topic : log.topicsOf(TransformsMessage::kType)) {
-    const std::string fault =
-        log.readSound<TransformsMessage>(topic.name, [&](const TransformsMessage& message) {
-          std::vector<StampedPose> poses;
-          for (const TransformMessage& t : message.transforms)
-            poses.push_back(poseOf(t.header.stamp, t.pose, log.path().string()));
-          for (std::size_t i = 0; i < poses.size(); ++i) {
-            const TransformMessage& t = message.transforms[i];
-            transforms_[{t.header.frame, t.child_frame}].push_back(poses[i]);
-          }
-        });
-    addSentence(fault, faults_);
-  }
-}
-
-bool FrameTree::isFixed(const Edge& edge) const {
-  constexpr double kSame = 1e-6;  // [m], and of the entries of rotations
-  const std::vector<StampedPose>& poses = transforms_.at(edge);
-  return std::all_of(poses.begin(), poses.end(), [&poses](const StampedPose& pose) {
-    return (pose.T_w_c.matrix() - poses.front().T_w_c.matrix()).cwiseAbs().maxCoeff() <= kSame;
-  });
-}
-
-std::optional<Eigen::Isometry3d> FrameTree::fixed(const std::string& a, const std::string& b) const {
-  std::map<std::string, Eigen::Isometry3d> reached{{a, Eigen::Isometry3d::Identity()}};  // T_a_x
-  for (bool grows = true; grows && reached.count(b) == 0;) {
-    grows = false;
-    for (const auto& [edge, poses] : transforms_) {
-      const auto parent = reached.find(edge.first), child = reached.find(edge.second);
-      if ((parent == reached.end()) == (child == reached.end()) || !isFixed(edge)) continue;
-      const Eigen::Isometry3d& T = poses.front().T_w_c;
-      if (child == reached.end())
-        reached.emplace(edge.second, parent->second * T);
-      else
-        reached.emplace(edge.first, child->second * T.inverse());
-      grows = true;
-    }
-  }
-  const auto found = reached.find(b);
-  if (found == reached.end()) return {};
-  return found->second;
-}
-
-std::optional<FrameTree::Moving> FrameTree::moving(const std::string& below) const {
-  for (const auto& [edge, poses] : transforms_)
-    if (edge.first == kOdometryFrame) return Moving{edge.first, edge.second, poses};
-  std::vector<Edge> found;
-  std::set<std::string> seen;
-  for (std::string frame = below; seen.insert(frame).second;) {
-    const auto above = std::find_if(transforms_.begin(), transforms_.end(),
-                                    [&frame](const auto& t) { return t.first.second == frame; });
-    if (above == transforms_.end()) break;
-    if (!isFixed(above->first)) found.push_back(above->first);
-    frame = above->first.first;
-  }
-  if (found.size() != 1) return {};
-  return Moving{found[0].first, found[0].second, transforms_.at(found[0])};
-}
 
 /** Poses of one topic. \param remark the number of messages left out is added */
 FrameTree::Moving odometryOf(const MessageLog& log, const std::string& topic, std::string& remark) {
