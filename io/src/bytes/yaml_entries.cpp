@@ -4,97 +4,74 @@
 #include "base/text.h"
 
 #include <algorithm>
-#include <cctype>
-#include <utility>
+#include <sstream>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
 
 namespace facetloc::internal {
 namespace {
 
-/** The keys in their order, whatever their nesting. */
-class Scanner {
+/** Takes the events of a parser: a tree of nodes could have no end, by an alias of itself. */
+class Collector : public YAML::EventHandler {
 public:
-  explicit Scanner(std::string_view text) : text_(text) {}
-
-  std::vector<YamlEntry> scan() {
-    while (at_ < text_.size()) {
-      const char c = text_[at_];
-      if (c == '#' || c == '%')
-        skipLine();
-      else if (c == '"' || c == '\'')
-        take(quoted(c));
-      else if (isOfWord(c))
-        take(word());
-      else
-        ++at_;
-    }
-    return entries_;
+  void OnDocumentStart(const YAML::Mark&) override { open_.clear(); }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override { next(); }
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override { next(); }
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string& value) override {
+    if (!open_.empty() && open_.back() == Part::key)
+      entries.push_back({text::lower(value.substr(value.find_last_of("./") + 1)), {}, {}});
+    else if (!entries.empty())
+      take(value);
+    next();
   }
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    open_.push_back(Part::item);
+  }
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    open_.push_back(Part::key);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapEnd() override { close(); }
+
+  std::vector<YamlEntry> entries;
 
 private:
-  static bool isOfWord(char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '-' || c == '+' ||
-           c == '/' || c == '!';
-  }
+  enum class Part { item, key, value };  // next one of a sequence or a map
 
-  void skipLine() {
-    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+  void close() {
+    open_.pop_back();
+    next();
   }
-  std::string_view quoted(char quote) {
-    const std::size_t begin = ++at_;
-    while (at_ < text_.size() && text_[at_] != quote && text_[at_] != '\n') ++at_;
-    const std::string_view found = text_.substr(begin, at_ - begin);
-    if (at_ < text_.size()) ++at_;
-    return found;
+  void next() {
+    if (!open_.empty() && open_.back() != Part::item)
+      open_.back() = open_.back() == Part::key ? Part::value : Part::key;
   }
-  std::string_view word() {
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && isOfWord(text_[at_])) ++at_;
-    return text_.substr(begin, at_ - begin);
-  }
-
-  bool isKey() {
-    std::size_t next = at_;
-    while (next < text_.size() && (text_[next] == ' ' || text_[next] == '\t')) ++next;
-    return next < text_.size() && text_[next] == ':';
-  }
-
-  void take(std::string_view part) {
-    if (isKey()) {
-      YamlEntry entry;
-      for (const char c : part.substr(part.find_last_of("./") + 1))
-        entry.key += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      entry.end = static_cast<std::size_t>(part.data() + part.size() - text_.data());
-      entries_.push_back(std::move(entry));
-    } else if (!entries_.empty()) {
-      std::string_view digits = part;
+  void take(std::string scalar) {
+    entries.back().words.push_back(scalar);
+    std::replace(scalar.begin(), scalar.end(), ',', ' ');
+    for (std::string_view digits : text::words(scalar)) {
       if (digits.size() > 1 && digits.back() == '.') digits.remove_suffix(1);  // OpenCV's "0."
-      if (const auto number = text::to<double>(digits))
-        entries_.back().numbers.push_back(*number);
-      else if (part.rfind("!!", 0) != 0)
-        entries_.back().word = part;
+      if (const auto number = text::to<double>(digits)) entries.back().numbers.push_back(*number);
     }
   }
 
-  std::string_view text_;
-  std::size_t at_ = 0;
-  std::vector<YamlEntry> entries_;
+  std::vector<Part> open_;  // next part of each sequence and map
 };
 
 }  // namespace
 
-std::vector<YamlEntry> yamlEntries(std::string_view text) { return Scanner(text).scan(); }
-
-std::string_view lineBehind(const YamlEntry& entry, std::string_view text) {
-  std::string_view line = text.substr(std::min(entry.end, text.size()));
-  line = line.substr(0, line.find('\n'));
-  const auto colon = line.find(':');
-  if (colon == std::string_view::npos) return {};
-  line = text::trimmed(line.substr(colon + 1));
-  if (!line.empty() && (line.front() == '"' || line.front() == '\'')) {
-    const auto close = line.find(line.front(), 1);
-    return line.substr(1, close == std::string_view::npos ? close : close - 1);
+std::vector<YamlEntry> yamlEntries(std::string_view text) {
+  constexpr int kMostDocuments = 100;  // yaml-cpp 0.7 never ends with a document that begins with a bracket
+  Collector collector;
+  std::istringstream in{std::string(text)};
+  try {
+    YAML::Parser parser(in);
+    for (int i = 0; i < kMostDocuments && parser.HandleNextDocument(collector);) ++i;
+  } catch (const YAML::Exception&) {  // entries up to the fault are kept
   }
-  return text::trimmed(line.substr(0, line.find(" #")));
+  return collector.entries;
 }
 
 }  // namespace facetloc::internal

@@ -33,7 +33,7 @@ struct Description {
 class DescriptionReader {
 public:
   DescriptionReader(std::string_view text, const fs::path& source)
-      : text_(text), source_(source), entries_(internal::yamlEntries(text)) {}
+      : source_(source), entries_(internal::yamlEntries(text)) {}
 
   Description read() const {
     Description d;
@@ -46,7 +46,7 @@ public:
     if (find("free_thresh")) d.free = number("free_thresh");
     if (!(d.free >= 0 && d.free < d.occupied && d.occupied <= 1))
       fail("free_thresh must be less than occupied_thresh, and both must lie in [0, 1]");
-    if (const YamlEntry* entry = find("mode")) d.mode = mode(entry->word);
+    if (find("mode")) d.mode = mode(word("mode"));
     return d;
   }
 
@@ -63,6 +63,10 @@ private:
     if (!entry) fail(fmt::format("lacks '{}:', which a map_server file of an occupancy grid has", key));
     return *entry;
   }
+  std::string word(const char* key) const {
+    const YamlEntry& entry = need(key);
+    return entry.words.empty() ? std::string() : entry.words.front();
+  }
   double number(const char* key) const {
     const YamlEntry& entry = need(key);
     if (entry.numbers.size() != 1 || !std::isfinite(entry.numbers[0]))
@@ -77,8 +81,7 @@ private:
     return {values[0], values[1], values[2]};
   }
   bool negate() const {
-    const YamlEntry& entry = need("negate");
-    if (entry.word == "true" || entry.word == "false") return entry.word == "true";
+    if (const std::string said = word("negate"); said == "true" || said == "false") return said == "true";
     const double value = number("negate");
     if (value != 0 && value != 1) fail("'negate:' must be 0 or 1");
     return value == 1;
@@ -90,7 +93,7 @@ private:
     fail(fmt::format("'mode: {}' is unknown; there are trinary, scale and raw", word));
   }
   fs::path image() const {
-    const std::string name(internal::lineBehind(need("image"), text_));
+    const std::string name = word("image");
     if (name.empty()) fail("'image:' names no file");
     const fs::path path = source_.parent_path() / name;
     // map_saver writes the path on the machine that made the plan.
@@ -99,7 +102,6 @@ private:
     return !fs::exists(path, ignored) && fs::is_regular_file(moved, ignored) ? moved : path;
   }
 
-  std::string_view text_;
   const fs::path& source_;
   std::vector<YamlEntry> entries_;
 };

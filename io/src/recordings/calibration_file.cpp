@@ -60,7 +60,7 @@ private:
   }
   std::string word(Names names) const {
     const YamlEntry* entry = find(names);
-    return entry ? entry->word : std::string();
+    return entry && !entry->words.empty() ? entry->words.back() : std::string();
   }
 
   /** Behind the key, or behind the key "data" of the matrix that it is. */

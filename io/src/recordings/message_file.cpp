@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/message_file.h"
 
-#include "base/text.h"
 #include "bytes/files.h"
+#include "bytes/yaml_entries.h"
 #include "recordings/image_list.h"
 #include "recordings/ros_messages.h"
 
@@ -46,20 +46,11 @@ bool isRosbag2(const fs::path& folder) {
 
 /** The names below relative_file_paths; without the folders that some versions put in front. */
 std::vector<fs::path> listedIn(const fs::path& metadata) {
-  const std::string content = files::readText(metadata);
   std::vector<fs::path> listed;
-  bool within = false;
-  for (std::string_view line : text::lines(content)) {
-    line = text::trimmed(line);
-    if (within && !line.empty() && line.front() == '-') {
-      std::string_view name = text::trimmed(line.substr(1));
-      if (name.size() > 1 && (name.front() == '"' || name.front() == '\''))
-        name = name.substr(1, name.size() - 2);
-      listed.push_back(metadata.parent_path() / fs::path(name).filename());
-    } else {
-      within = line == "relative_file_paths:";
-    }
-  }
+  for (const YamlEntry& entry : yamlEntries(files::readText(metadata)))
+    if (entry.key == "relative_file_paths")
+      for (const std::string& name : entry.words)
+        listed.push_back(metadata.parent_path() / fs::path(name).filename());
   return listed;
 }
 
