@@ -204,7 +204,9 @@ private:
 /** \brief All or nothing: rolled back unless committed. */
 class Transaction {
 public:
-  explicit Transaction(Connection& db) : db_(db) { db_.execute("BEGIN IMMEDIATE"); }
+  explicit Transaction(Connection& db, const char* begin = "BEGIN IMMEDIATE") : db_(db) {
+    db_.execute(begin);
+  }
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
   ~Transaction() {
@@ -221,15 +223,9 @@ private:
 };
 
 /** \brief All that is read while it lives is of one time, whoever else writes meanwhile; they wait for it. */
-class Snapshot {
+class Snapshot : private Transaction {
 public:
-  explicit Snapshot(Connection& db) : db_(db) { db_.execute("BEGIN"); }
-  Snapshot(const Snapshot&) = delete;
-  Snapshot& operator=(const Snapshot&) = delete;
-  ~Snapshot() { sqlite3_exec(db_.handle(), "ROLLBACK", nullptr, nullptr, nullptr); }
-
-private:
-  Connection& db_;
+  explicit Snapshot(Connection& db) : Transaction(db, "BEGIN") {}
 };
 
 }  // namespace facetloc::sqlite

@@ -157,12 +157,7 @@ void updatePose(Connection& db, int model_id, const std::optional<Eigen::Isometr
 
 // Checking.
 
-void append(std::vector<std::string>& faults, const std::vector<std::string>& more) {
-  faults.insert(faults.end(), more.begin(), more.end());
-}
-
-std::vector<std::string> integrityFaults(Connection& db) {
-  std::vector<std::string> faults;
+void addIntegrityFaults(Connection& db, std::vector<std::string>& faults) {
   Statement integrity(db, "PRAGMA integrity_check");
   while (integrity.step()) {
     const std::string answer = integrity.text();
@@ -170,7 +165,6 @@ std::vector<std::string> integrityFaults(Connection& db) {
   }
   Statement keys(db, "PRAGMA foreign_key_check");
   while (keys.step()) faults.push_back(fmt::format("a row of table {} belongs to nothing", keys.text()));
-  return faults;
 }
 
 }  // namespace
@@ -329,11 +323,8 @@ std::vector<std::string> checkMap(const std::filesystem::path& path) {
   Connection db = openForReading(path);
   std::vector<std::string> faults;
   try {
-    append(faults, integrityFaults(db));
-    MapReader reader(db);
-    reader.check();
-    append(faults, reader.faults());
-    append(faults, place_index_parts::faults(db));
+    addIntegrityFaults(db, faults);
+    findFaults(db, faults);
   } catch (const IoError& e) {
     faults.push_back(std::string("cannot be read: ") + e.what());
   } catch (const BadCell& e) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "maps/map_connection.h"
 #include "maps/map_reader.h"
+#include "maps/map_rows.h"
 #include "maps/map_schema.h"
 #include "maps/place_index_parts.h"
 
