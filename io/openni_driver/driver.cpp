@@ -1,18 +1,297 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "depth_device.h"
+#include "playback.h"
 
 #include <facetloc/io/virtual_camera.h>
 
+#include <PS1080.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+// OpenNI2's interface of drivers uses macros of a library that is not installed.
+#ifndef FALSE
+#define FALSE 0
+#endif
+#ifndef TRUE
+#define TRUE 1
+#endif
+#define XN_NEW(Type, ...) new Type(__VA_ARGS__)
+#define XN_DELETE(pointer) delete (pointer)
+#include <Driver/OniDriverAPI.h>
 
 namespace facetloc {
 namespace {
+
+constexpr double kBaseline = 7.5;  // baseline of a Kinect, which the driver simulates [cm]
+
+float fieldOfView(int pixels, double focal_length) {
+  return static_cast<float>(2 * std::atan(pixels / (2 * focal_length)));
+}
+
+/** Hands a property out, if there is room for it. */
+template <typename T>
+OniStatus giveProperty(const T& value, void* data, int* size) {
+  if (!data || *size < static_cast<int>(sizeof value)) return ONI_STATUS_BAD_PARAMETER;
+  std::memcpy(data, &value, sizeof value);
+  *size = static_cast<int>(sizeof value);
+  return ONI_STATUS_OK;
+}
+
+/** The value that a property is set to, if it is of the right size. */
+template <typename T>
+std::optional<T> takeProperty(const void* data, int size) {
+  if (!data || size != static_cast<int>(sizeof(T))) return {};
+  T value;
+  std::memcpy(&value, data, sizeof value);
+  return value;
+}
+
+/** Can the property of a device or stream be read? */
+template <typename Owner>
+OniBool hasProperty(Owner& owner, int id) {
+  std::array<char, kVirtualCameraTextSize> value;  // the largest
+  int size = static_cast<int>(value.size());
+  return owner.getProperty(id, value.data(), &size) == ONI_STATUS_OK;
+}
+
+/** The only mode of a source. */
+OniVideoMode modeOf(const FrameSource& source) {
+  const Intrinsics& camera = source.camera();
+  return {ONI_PIXEL_FORMAT_DEPTH_1_MM, camera.width, camera.height, source.rate()};
+}
+
+/** The depth stream of a virtual camera: one mode, depth in mm. */
+class DepthStream : public oni::driver::StreamBase {
+public:
+  DepthStream(std::shared_ptr<Playback> playback, std::function<void(int)> report)
+      : playback_(std::move(playback)),
+        report_(std::move(report)),
+        mode_(modeOf(playback_->source())),
+        image_(static_cast<std::size_t>(mode_.resolutionX) * mode_.resolutionY) {}
+
+  ~DepthStream() override { stop(); }
+
+  OniStatus start() override {
+    if (thread_.joinable()) return ONI_STATUS_OK;
+    playback_->start();
+    thread_ = std::thread([this] { run(); });
+    return ONI_STATUS_OK;
+  }
+
+  void stop() override {
+    playback_->stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  OniBool isPropertySupported(int id) override { return hasProperty(*this, id); }
+  OniStatus getProperty(int id, void* data, int* size) override {
+    const Intrinsics& camera = playback_->source().camera();
+    switch (id) {
+    case ONI_STREAM_PROPERTY_VIDEO_MODE:
+      return giveProperty(mode_, data, size);
+    case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
+      return giveProperty(fieldOfView(camera.width, camera.fx), data, size);
+    case ONI_STREAM_PROPERTY_VERTICAL_FOV:
+      return giveProperty(fieldOfView(camera.height, camera.fy), data, size);
+    case ONI_STREAM_PROPERTY_STRIDE:
+      return giveProperty(stride(), data, size);
+    case ONI_STREAM_PROPERTY_MIRRORING:
+      return giveProperty(OniBool(FALSE), data, size);
+    case ONI_STREAM_PROPERTY_CROPPING:
+      return giveProperty(OniCropping{}, data, size);
+    case ONI_STREAM_PROPERTY_MAX_VALUE:
+      return giveProperty(kMaxDepthMillimetres, data, size);
+    case ONI_STREAM_PROPERTY_MIN_VALUE:
+      return giveProperty(0, data, size);
+    case ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES:
+      return giveProperty(static_cast<int>(playback_->source().size()), data, size);
+    case XN_STREAM_PROPERTY_EMITTER_DCMOS_DISTANCE:
+      return giveProperty(kBaseline, data, size);
+    default:
+      return ONI_STATUS_NOT_IMPLEMENTED;
+    }
+  }
+
+  /** There is nothing to choose: one mode, not mirrored, not cropped. */
+  OniStatus setProperty(int id, const void* data, int size) override {
+    const auto allowed = [](bool yes) { return yes ? ONI_STATUS_OK : ONI_STATUS_NOT_SUPPORTED; };
+    if (id == ONI_STREAM_PROPERTY_VIDEO_MODE) {
+      const auto mode = takeProperty<OniVideoMode>(data, size);
+      return allowed(mode && mode->pixelFormat == mode_.pixelFormat && mode->fps == mode_.fps &&
+                     mode->resolutionX == mode_.resolutionX && mode->resolutionY == mode_.resolutionY);
+    }
+    if (id == ONI_STREAM_PROPERTY_MIRRORING) {
+      const auto mirror = takeProperty<OniBool>(data, size);
+      return allowed(mirror && !*mirror);
+    }
+    if (id == ONI_STREAM_PROPERTY_CROPPING) {
+      const auto cropping = takeProperty<OniCropping>(data, size);
+      return allowed(cropping && !cropping->enabled);
+    }
+    return ONI_STATUS_NOT_IMPLEMENTED;
+  }
+
+private:
+  int stride() const { return mode_.resolutionX * static_cast<int>(sizeof(OniDepthPixel)); }
+  void run() {
+    const FrameSource& source = playback_->source();
+    while (const auto index = playback_->next([this] { report_(ONI_DEVICE_STATE_EOF); })) {
+      try {
+        source.read(*index, image_.data());  // ahead of its time, to be punctual
+      } catch (const std::exception& e) {    // one image is lost, as cameras do
+        playback_->setError(e.what());
+        playback_->skip(*index);
+        continue;
+      }
+      if (playback_->wait(*index)) deliver(source.stamp(*index));
+    }
+  }
+
+  void deliver(std::uint64_t stamp) {
+    OniFrame* frame = getServices().acquireFrame();
+    if (!frame) return;
+    frame->sensorType = ONI_SENSOR_DEPTH;
+    frame->timestamp = stamp;
+    frame->frameIndex = ++number_;
+    frame->videoMode = mode_;
+    frame->width = mode_.resolutionX;
+    frame->height = mode_.resolutionY;
+    frame->croppingEnabled = FALSE;
+    frame->cropOriginX = frame->cropOriginY = 0;
+    frame->stride = stride();
+    frame->dataSize = stride() * mode_.resolutionY;
+    std::memcpy(frame->data, image_.data(), static_cast<std::size_t>(frame->dataSize));
+    raiseNewFrame(frame);
+    getServices().releaseFrame(frame);
+  }
+
+  std::shared_ptr<Playback> playback_;
+  std::function<void(int)> report_;
+  OniVideoMode mode_{};
+  std::vector<OniDepthPixel> image_;  // the next one
+  int number_ = 0;                    // number of the last one delivered
+  std::thread thread_;
+};
+
+/** A virtual camera: one depth stream, played like a recording as far as OpenNI2 can tell. */
+class DepthDevice : public oni::driver::DeviceBase {
+public:
+  DepthDevice(std::unique_ptr<FrameSource> source, std::function<void(int)> report)
+      : playback_(std::make_shared<Playback>(std::move(source))),
+        report_(std::move(report)),
+        mode_(modeOf(playback_->source())),
+        sensor_{ONI_SENSOR_DEPTH, 1, &mode_} {}
+
+  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override {
+    *sensors = &sensor_;
+    *count = 1;
+    return ONI_STATUS_OK;
+  }
+
+  oni::driver::StreamBase* createStream(OniSensorType type) override {
+    if (type != ONI_SENSOR_DEPTH || has_stream_) return nullptr;
+    has_stream_ = true;
+    return new DepthStream(playback_, report_);
+  }
+
+  void destroyStream(oni::driver::StreamBase* stream) override {
+    delete stream;
+    has_stream_ = false;
+  }
+
+  OniBool isPropertySupported(int id) override {
+    return id == kVirtualCameraTrigger || hasProperty(*this, id);
+  }
+
+  OniStatus getProperty(int id, void* data, int* size) override {
+    switch (id) {
+    case ONI_DEVICE_PROPERTY_DRIVER_VERSION:
+      return giveProperty(OniVersion{0, 1, 0, 0}, data, size);
+    case ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION:
+      return giveProperty(ONI_IMAGE_REGISTRATION_OFF, data, size);
+    case ONI_DEVICE_PROPERTY_PLAYBACK_SPEED:
+      return giveProperty(playback_->speed(), data, size);
+    case ONI_DEVICE_PROPERTY_PLAYBACK_REPEAT_ENABLED:
+      return giveProperty(OniBool(playback_->repeats()), data, size);
+    case kVirtualCameraError: {
+      std::array<char, kVirtualCameraTextSize> text{};
+      const std::string error = playback_->error();
+      std::copy_n(error.begin(), std::min(error.size(), text.size() - 1), text.begin());
+      return giveProperty(text, data, size);
+    }
+    case kVirtualCameraIntrinsics: {
+      const Intrinsics& camera = playback_->source().camera();
+      return giveProperty(std::array<double, 4>{camera.fx, camera.fy, camera.cx, camera.cy}, data, size);
+    }
+    case kVirtualCameraMounting: {
+      const std::optional<CameraMounting>& mounting = playback_->source().mounting();
+      if (!mounting) return ONI_STATUS_NOT_IMPLEMENTED;
+      return giveProperty(std::array<double, 6>{mounting->height, mounting->tilt_deg, mounting->roll_deg,
+                                                mounting->pan_deg, mounting->x, mounting->y},
+                          data, size);
+    }
+    default:
+      return ONI_STATUS_NOT_IMPLEMENTED;
+    }
+  }
+
+  OniStatus setProperty(int id, const void* data, int size) override {
+    switch (id) {
+    case ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION: {
+      const auto mode = takeProperty<OniImageRegistrationMode>(data, size);
+      return mode && *mode == ONI_IMAGE_REGISTRATION_OFF ? ONI_STATUS_OK : ONI_STATUS_NOT_SUPPORTED;
+    }
+    case ONI_DEVICE_PROPERTY_PLAYBACK_SPEED: {
+      const auto speed = takeProperty<float>(data, size);
+      if (!speed || !std::isfinite(*speed) || *speed < 0) return ONI_STATUS_BAD_PARAMETER;
+      playback_->setSpeed(*speed);
+      return ONI_STATUS_OK;
+    }
+    case ONI_DEVICE_PROPERTY_PLAYBACK_REPEAT_ENABLED: {
+      const auto repeat = takeProperty<OniBool>(data, size);
+      if (!repeat) return ONI_STATUS_BAD_PARAMETER;
+      playback_->setRepeat(*repeat);
+      return ONI_STATUS_OK;
+    }
+    case kVirtualCameraTrigger: {
+      const auto frames = takeProperty<int>(data, size);
+      if (!frames) return ONI_STATUS_BAD_PARAMETER;
+      playback_->trigger(*frames);
+      return ONI_STATUS_OK;
+    }
+    default:
+      return ONI_STATUS_NOT_IMPLEMENTED;
+    }
+  }
+
+  OniBool isCommandSupported(int command) override { return command == ONI_DEVICE_COMMAND_SEEK; }
+  OniStatus invoke(int command, void* data, int size) override {
+    if (command != ONI_DEVICE_COMMAND_SEEK) return ONI_STATUS_NOT_IMPLEMENTED;
+    const auto seek = takeProperty<OniSeek>(data, size);
+    if (!seek || seek->frameIndex < 0) return ONI_STATUS_BAD_PARAMETER;
+    playback_->seek(static_cast<std::size_t>(std::max(seek->frameIndex, 1) - 1));  // the first frame is 1
+    return ONI_STATUS_OK;
+  }
+
+private:
+  std::shared_ptr<Playback> playback_;
+  std::function<void(int)> report_;
+  OniVideoMode mode_;
+  OniSensorInfo sensor_{};
+  bool has_stream_ = false;  // OpenNI2 shares one among its handles
+};
 
 /** Turns paths into devices. */
 class Driver : public oni::driver::DriverBase {
