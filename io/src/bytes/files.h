@@ -21,9 +21,6 @@
 #include <system_error>
 #include <vector>
 
-/** \file
- * Files and folders, private to io. */
-
 namespace facetloc::files {
 
 /** \brief Why the last call of the C library failed. */

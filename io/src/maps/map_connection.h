@@ -7,9 +7,6 @@
 
 #include <filesystem>
 
-/** \file
- * Connections to map files, private to io. */
-
 namespace facetloc::map_connection {
 
 inline constexpr const char* kFormatKey = "format";  ///< meta rows that belong to the file format

@@ -10,9 +10,6 @@
 #include <string_view>
 #include <vector>
 
-/** \file
- * Calibrations in YAML and JSON. Private to io. */
-
 namespace facetloc::internal {
 
 /** \brief A calibration of a depth camera. */

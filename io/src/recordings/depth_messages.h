@@ -8,9 +8,6 @@
 
 #include <string>
 
-/** \file
- * Depth images in messages. Private to io. */
-
 namespace facetloc::internal {
 
 /** \brief Is it depth: 16UC1, mono16 or 32FC1? */

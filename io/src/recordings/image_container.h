@@ -14,9 +14,6 @@
 #include <optional>
 #include <string>
 
-/** \file
- * Recordings whose images are not files of their own. Private to io. */
-
 namespace facetloc::internal {
 
 /** \brief A file, or some, that have all depth images of a recording. All calls are thread-safe and throw

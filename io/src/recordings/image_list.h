@@ -10,9 +10,6 @@
 #include <string>
 #include <vector>
 
-/** \file
- * Which images a recording has. Private to io. */
-
 namespace facetloc::internal {
 
 /** \brief An image that a folder or a list names. */

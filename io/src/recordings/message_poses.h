@@ -11,9 +11,6 @@
 #include <string>
 #include <vector>
 
-/** \file
- * How a camera moved and was turned, by the messages of its robot. Private to io. */
-
 namespace facetloc::internal {
 
 class MessageLog;

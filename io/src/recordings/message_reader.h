@@ -10,9 +10,6 @@
 #include <type_traits>
 #include <vector>
 
-/** \file
- * The fields of serialized messages. Private to io. */
-
 namespace facetloc::internal {
 
 using Bytes = std::vector<std::uint8_t>;

@@ -16,6 +16,7 @@
 #include <functional>
 #include <stdexcept>
 #include <tuple>
+#include <type_traits>
 
 namespace facetloc::internal {
 namespace {
@@ -140,10 +141,7 @@ public:
     const auto use = [&](const auto& message) {
       image = depthImageOf(readDepth(message, name), camera_.file.depth_scale);
     };
-    if (isPlain())
-      log_.read<ImageMessage>(messages_.at(index), use);
-    else
-      log_.read<CompressedImageMessage>(messages_.at(index), use);
+    readImage(messages_.at(index), use);
     return image;
   }
 
@@ -162,6 +160,10 @@ public:
 
 private:
   bool isPlain() const { return topic_.type == ImageMessage::kType; }
+  template <typename Use>
+  void readImage(const LoggedMessage& message, const Use& use) const {
+    isPlain() ? log_.read<ImageMessage>(message, use) : log_.read<CompressedImageMessage>(message, use);
+  }
 
   /** Those whose first message is a depth image. */
   template <typename Message>
@@ -203,19 +205,15 @@ private:
   /** The time of an image is the one in its header: when it was taken, not when it was written. */
   void listMessages() {
     std::vector<double> taken, written;
-    const auto note = [&](const MessageHeader& header) {
-      taken.push_back(header.stamp);
-      if (frame_.empty()) frame_ = header.frame;
+    const auto note = [&](const auto& image) {
+      taken.push_back(image.header.stamp);
+      if (frame_.empty()) frame_ = image.header.frame;
+      if constexpr (std::is_same_v<decltype(image), const ImageMessage&>)
+        if (width_ == 0) width_ = image.width, height_ = image.height;
     };
     messages_ = log_.messages(topic_.name, topic_.type);
     for (const LoggedMessage& message : messages_) {
-      if (isPlain())
-        log_.read<ImageMessage>(message, [&](const ImageMessage& image) {
-          note(image.header);
-          if (width_ == 0) width_ = image.width, height_ = image.height;
-        });
-      else
-        log_.read<CompressedImageMessage>(message, [&](const auto& image) { note(image.header); });
+      readImage(message, note);
       written.push_back(message.entry.written);
     }
     if (!isPlain()) findSize();

@@ -5,9 +5,6 @@
 #include <string>
 #include <vector>
 
-/** \file
- * Numbers in the names of images, and their units and those of the stamps of poses. Private to io. */
-
 namespace facetloc::internal {
 
 /** \brief The numbers by which names differ. */

@@ -16,6 +16,7 @@
 #include <cctype>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -30,19 +31,20 @@ constexpr double kNoRotation = 1e-9;
 constexpr double kNanoseconds = 1e-9, kMicroseconds = 1e-6, kMilliseconds = 1e-3;
 constexpr int kNone = -1;
 
-/** Index in qx qy qz qw; kNone for other columns. */
-int quaternionPart(const ColumnName& name) {
-  const bool is_quaternion = name.begins("q") || name.has("orient") || name.has("rot") || name.has("quat");
-  const auto part = std::string_view("xyzw").find(name.last());
-  return is_quaternion && part != std::string_view::npos ? static_cast<int>(part) : kNone;
+/** Index of the axis that a name ends with, if it is such a name; kNone for other columns. */
+int partOf(const ColumnName& name, std::string_view axes, bool is_such) {
+  const auto part = axes.find(name.last());
+  return is_such && part != std::string_view::npos ? static_cast<int>(part) : kNone;
 }
 
-/** Index in tx ty tz; kNone for other columns. */
+int quaternionPart(const ColumnName& name) {
+  return partOf(name, "xyzw", name.begins("q") || name.has("orient") || name.has("rot") || name.has("quat"));
+}
+
 int positionPart(const ColumnName& name) {
-  const bool is_position =
-      name.word.size() == 1 || name.begins("t") || name.begins("p") || name.has("pos") || name.has("trans");
-  const auto part = std::string_view("xyz").find(name.last());
-  return is_position && part != std::string_view::npos ? static_cast<int>(part) : kNone;
+  return partOf(name, "xyz",
+                name.word.size() == 1 || name.begins("t") || name.begins("p") || name.has("pos") ||
+                    name.has("trans"));
 }
 
 /** Columns, counted from 0. */
@@ -57,11 +59,6 @@ struct PoseHeader {
   /** Columns by a line of names, such as `timestamp tx ty tz qx qy qz qw` or EuRoC's `#timestamp
    * [ns],p_x,...`. Empty if the names are not those of one position and one quaternion. */
   static std::optional<PoseHeader> of(std::string_view names);
-  /** tx ty tz qx qy qz qw from a column on. */
-  static PoseHeader inOrder(std::size_t width, int stamp, int first);
-  static PoseHeader ofMatrix(std::size_t width, int stamp, int first);
-  /** A stamp in nanoseconds, a position, and a quaternion w x y z. */
-  static PoseHeader ofEuroc(std::size_t width);
 };
 
 std::optional<PoseHeader> PoseHeader::of(std::string_view line) {
@@ -89,27 +86,11 @@ std::optional<PoseHeader> PoseHeader::of(std::string_view line) {
   return header;
 }
 
-PoseHeader PoseHeader::inOrder(std::size_t width, int stamp, int first) {
-  PoseHeader header;
-  header.width = width;
-  header.stamp = stamp;
-  for (std::size_t k = 0; k < header.pose.size(); ++k) header.pose[k] = first + static_cast<int>(k);
-  return header;
-}
-
-PoseHeader PoseHeader::ofMatrix(std::size_t width, int stamp, int first) {
-  PoseHeader header;
-  header.width = width;
-  header.stamp = stamp;
-  header.matrix = first;
-  return header;
-}
-
-PoseHeader PoseHeader::ofEuroc(std::size_t width) {
-  PoseHeader header = inOrder(width, 0, 1);
-  header.unit = kNanoseconds;
-  header.pose[6] = 4, header.pose[3] = 5, header.pose[4] = 6, header.pose[5] = 7;
-  return header;
+/** tx ty tz qx qy qz qw from a column on. */
+std::array<int, 7> inOrder(int first) {
+  std::array<int, 7> pose{};
+  std::iota(pose.begin(), pose.end(), first);
+  return pose;
 }
 
 /** A line of numbers. */
@@ -259,20 +240,21 @@ private:
     constexpr std::size_t kPose = 7, kMatrix34 = 12, kMatrix44 = 16, kEuroc = 17;
     switch (width) {
     case kPose:
-      return PoseHeader::inOrder(width, -1, 0);
+      return {width, kNone, kNone, 0, kNone, inOrder(0)};
     case kPose + 1:
-      return PoseHeader::inOrder(width, 0, 1);
-    case kPose + 2:
-      return PoseHeader::inOrder(width, isRotationAt(5) && !isRotationAt(4) ? 1 : 0,
-                                 isRotationAt(5) && !isRotationAt(4) ? 2 : 1);
+      return {width, 0, kNone, 0, kNone, inOrder(1)};
+    case kPose + 2: {  // with another number in front or behind
+      const int stamp = isRotationAt(5) && !isRotationAt(4) ? 1 : 0;
+      return {width, stamp, kNone, 0, kNone, inOrder(stamp + 1)};
+    }
     case kMatrix34:
     case kMatrix44:
-      return PoseHeader::ofMatrix(width, -1, 0);
-    case kMatrix34 + 1:
-      return PoseHeader::ofMatrix(width, 0, 1);
+      return {width, kNone, kNone, 0, 0};
     case kEuroc:
-      if (!endsAsMatrix()) return PoseHeader::ofEuroc(width);
-      return PoseHeader::ofMatrix(width, 0, 1);
+      if (!endsAsMatrix()) return {width, 0, kNone, kNanoseconds, kNone, {1, 2, 3, 5, 6, 7, 4}};
+      [[fallthrough]];
+    case kMatrix34 + 1:
+      return {width, 0, kNone, 0, 1};
     default:
       fail(lines_[0].number,
            fmt::format(

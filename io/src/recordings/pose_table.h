@@ -16,9 +16,6 @@
 #include <string_view>
 #include <vector>
 
-/** \file
- * Files of poses in the forms in which people have them, and whose poses they are. Private to io. */
-
 namespace facetloc::internal {
 
 /** \brief A name of a column in lower case, and the unit in brackets behind it. */

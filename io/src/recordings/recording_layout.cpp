@@ -303,18 +303,10 @@ private:
 }  // namespace
 
 std::string RecordingLayout::toString() const {
-  switch (kind) {
-  case Kind::listed:
-    return "images with their times in a list";
-  case Kind::seven_scenes:
-    return "the layout of 7-Scenes and 3DMatch";
-  case Kind::scannet:
-    return "the layout of ScanNet";
-  case Kind::icl_nuim:
-    return "the layout of ICL-NUIM";
-  case Kind::plain:
-    break;
-  }
+  constexpr const char* kKinds[] = {"", "images with their times in a list",
+                                    "the layout of 7-Scenes and 3DMatch", "the layout of ScanNet",
+                                    "the layout of ICL-NUIM"};
+  if (kind != Kind::plain) return kKinds[static_cast<std::size_t>(kind)];
   return stamped ? "images named by their times" : "images in the order of their names, without times";
 }
 

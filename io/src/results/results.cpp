@@ -237,9 +237,7 @@ csv::Table tableOf(const fs::path& path, const Remark& remark) {
   return table;
 }
 
-csv::Table tableWithoutTornLine(const fs::path& path) {
-  return tableOf(path, [](const std::string&) {});
-}
+void ignore(const std::string&) {}
 
 fs::path created(const fs::path& folder) {
   createFolders(folder);
@@ -307,12 +305,12 @@ private:
   /** The lines of each frame; those of the trajectory lack their stamps. */
   static std::map<std::string, Text> readFrames(const fs::path& folder) {
     std::map<std::string, Text> frames;
-    const csv::Table timing = tableWithoutTornLine(folder / kTiming);
+    const csv::Table timing = tableOf(folder / kTiming, ignore);
     for (const csv::Row& row : timing.rows()) frames[timing.string(row, "frame")].timing = row.text;
-    const csv::Table covariances = tableWithoutTornLine(folder / kCovariances);
+    const csv::Table covariances = tableOf(folder / kCovariances, ignore);
     for (const csv::Row& row : covariances.rows())
       frames[covariances.string(row, "frame")].covariances = row.text;
-    const csv::Table hypotheses = tableWithoutTornLine(folder / kHypotheses);
+    const csv::Table hypotheses = tableOf(folder / kHypotheses, ignore);
     for (const csv::Row& row : hypotheses.rows()) {
       Text& frame = frames[hypotheses.string(row, "frame")];
       frame.hypotheses += row.text;
@@ -407,15 +405,14 @@ std::vector<TimingRow> readTiming(const fs::path& folder, const Remark& remark) 
 }
 
 std::map<std::string, FrameResult> readResults(const fs::path& folder) {
-  const Remark ignored = [](const std::string&) {};
   std::map<std::string, FrameResult> frames;
-  for (TimingRow& timing : readTiming(folder, ignored)) frames[timing.frame].timing = std::move(timing);
-  for (ResultRow& row : readHypotheses(folder, ignored))
+  for (TimingRow& timing : readTiming(folder, ignore)) frames[timing.frame].timing = std::move(timing);
+  for (ResultRow& row : readHypotheses(folder, ignore))
     if (const auto found = frames.find(row.frame); found != frames.end())
       found->second.rows.push_back(std::move(row));
   for (auto frame = frames.begin(); frame != frames.end();)
     frame = frame->second.rows.empty() ? frames.erase(frame) : std::next(frame);
-  for (const auto& [name, covariance] : readCovariances(folder, ignored))
+  for (const auto& [name, covariance] : readCovariances(folder, ignore))
     if (const auto found = frames.find(name); found != frames.end())
       found->second.rows.front().P_w_c = covariance;
   return frames;
