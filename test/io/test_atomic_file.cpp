@@ -2,7 +2,6 @@
 #include "temporary_folder.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/growing_file.h>
 #include <facetloc/testing/full_disk.h>
 
 #include <stdexcept>

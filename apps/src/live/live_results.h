@@ -4,7 +4,7 @@
 #include "live/live_result.h"
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/io/growing_file.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/results.h>
 

@@ -17,7 +17,6 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_export.h>
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/output_lock.h>

@@ -7,7 +7,6 @@
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_export.h>
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>

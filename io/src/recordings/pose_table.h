@@ -3,7 +3,6 @@
 
 #include "recordings/name_numbers.h"
 
-#include <facetloc/io/pose_reading.h>
 #include <facetloc/io/trajectory.h>
 
 #include <Eigen/Geometry>

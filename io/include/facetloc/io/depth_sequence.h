@@ -5,7 +5,6 @@
 #include <facetloc/features/segment.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/gravity_record.h>
-#include <facetloc/io/pose_reading.h>
 #include <facetloc/io/trajectory.h>
 
 #include <exception>

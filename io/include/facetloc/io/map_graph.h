@@ -6,7 +6,7 @@
 #include <filesystem>
 
 /** \file
- * A map as a graph of poses, for programs that optimize such graphs: g2o's text format. */
+ * A map for other programs: as a graph of poses in g2o's text format, and all of it. */
 
 namespace facetloc {
 
@@ -23,5 +23,15 @@ void writeGraph(const std::filesystem::path& path, const Map& map);
  * other lines of the file are ignored. Throws IoError if a vertex is no local model or has an invalid pose,
  * if a local model in the world has no vertex or two, and if nothing of the map is in a world. */
 void readGraphPoses(const std::filesystem::path& path, Map& map);
+
+/** \brief Writes a map for other programs, into a folder that is made if need be:
+ *
+ * - models/NAME.pcd: SegmentFrame clouds in the model's frame; none for a model without segments.
+ * Characters that are not at home in file names become _.
+ * - poses_tum.txt: the models whose pose was given, by their stamps.
+ * - graph.g2o: the models and their links (writeGraph()).
+ *
+ * Throws IoError. */
+void exportMap(const Map& map, const std::filesystem::path& folder);
 
 }  // namespace facetloc

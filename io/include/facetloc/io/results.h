@@ -3,7 +3,7 @@
 
 #include <facetloc/features/answer_state.h>
 #include <facetloc/features/pose.h>
-#include <facetloc/io/growing_file.h>
+#include <facetloc/io/atomic_file.h>
 
 #include <Eigen/Geometry>
 
