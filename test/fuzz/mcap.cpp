@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as an MCAP.
 #include "fuzz_file.h"
+#include "recordings/image_container.h"
 #include "recordings/message_file.h"
-#include "recordings/message_poses.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A letter that names a cell of a database of RTAB-Map, and bytes as its content.
 #include "fuzz_file.h"
-#include "recordings/rtabmap_blobs.h"
+#include "recordings/depth_messages.h"
 
 #include <facetloc/io/error.h>
 

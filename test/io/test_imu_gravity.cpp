@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The accelerometer of a camera that is shaken, turned and pushed, in messages of ROS 1 in an MCAP.
+#include "recordings/image_container.h"
 #include "recordings/message_file.h"
-#include "recordings/message_poses.h"
 #include "temporary_folder.h"
 
 #include <gtest/gtest.h>

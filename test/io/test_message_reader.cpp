@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/message_reader.h"
 #include "recordings/ros_messages.h"
 
 #include <gmock/gmock.h>

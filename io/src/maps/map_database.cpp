@@ -5,7 +5,6 @@
 #include "maps/map_reader.h"
 #include "maps/map_rows.h"
 #include "maps/map_schema.h"
-#include "maps/place_index_parts.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>

@@ -3,7 +3,6 @@
 
 #include "maps/map_rows.h"
 #include "maps/map_schema.h"
-#include "maps/place_index_parts.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/sure_threshold.h>

@@ -5,6 +5,11 @@
 
 #include <facetloc/features/local_model.h>
 
+#include <functional>
+#include <istream>
+#include <memory>
+#include <mutex>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -23,4 +28,19 @@ Map readSound(sqlite::Connection& db, bool with_views);
 /** \brief Adds the faults of all rows and of the place index, which are looked at, and none kept. */
 void findFaults(sqlite::Connection& db, std::vector<std::string>& faults);
 
+/** The place index in a map file, as a stream of bytes in checksummed parts. */
+namespace place_index_parts {
+
+/** \brief Replaces the former index, within a transaction of the caller. */
+void write(sqlite::Connection& db, const std::function<void(std::ostream&)>& writer);
+void remove(sqlite::Connection& db);
+/** \brief 0 if there is no index. */
+int number(sqlite::Connection& db);
+/** \brief Null if the map has none. A part that differs from the one written throws IoError when it is
+ * reached. \param mutex is locked while the database, which must outlive the stream, is read */
+std::unique_ptr<std::istream> open(sqlite::Connection& db, std::mutex& mutex);
+/** \brief Its faults, in words. */
+std::vector<std::string> faults(sqlite::Connection& db);
+
+}  // namespace place_index_parts
 }  // namespace facetloc

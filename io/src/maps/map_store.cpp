@@ -3,7 +3,6 @@
 #include "maps/map_reader.h"
 #include "maps/map_rows.h"
 #include "maps/map_schema.h"
-#include "maps/place_index_parts.h"
 
 #include <facetloc/io/map_database.h>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "maps/place_index_parts.h"
-
+#include "maps/map_reader.h"
 #include "maps/map_schema.h"
 
 #include <algorithm>

@@ -4,7 +4,6 @@
 #include "bytes/files.h"
 #include "recordings/message_file.h"
 #include "recordings/ros_messages.h"
-#include "recordings/unpack.h"
 
 #include <facetloc/io/error.h>
 

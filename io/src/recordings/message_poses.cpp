@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/message_poses.h"
-
 #include "base/median.h"
 #include "bytes/files.h"
+#include "recordings/image_container.h"
 #include "recordings/message_file.h"
 #include "results/pose_columns.h"
 

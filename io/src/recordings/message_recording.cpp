@@ -5,7 +5,6 @@
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"
 #include "recordings/message_file.h"
-#include "recordings/message_poses.h"
 #include "recordings/recording_layout.h"
 
 #include <facetloc/features/camera_presets.h>

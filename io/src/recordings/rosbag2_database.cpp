@@ -3,7 +3,6 @@
 #include "bytes/sqlite.h"
 #include "recordings/message_file.h"
 #include "recordings/ros_messages.h"
-#include "recordings/unpack.h"
 
 #include <facetloc/io/error.h>
 

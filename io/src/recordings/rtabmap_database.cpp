@@ -6,7 +6,6 @@
 #include "recordings/image_container.h"
 #include "recordings/pose_table.h"
 #include "recordings/recording_layout.h"
-#include "recordings/rtabmap_blobs.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/depth_image.h>

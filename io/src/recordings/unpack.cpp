@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/unpack.h"
-
 #include "base/text.h"
+#include "recordings/message_file.h"
 
 #include <facetloc/io/error.h>
 
