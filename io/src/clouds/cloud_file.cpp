@@ -3,7 +3,6 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
-#include <facetloc/io/error.h>
 
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>

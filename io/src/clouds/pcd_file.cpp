@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

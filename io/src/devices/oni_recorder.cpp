@@ -11,7 +11,6 @@
 
 #include <array>
 #include <chrono>
-#include <cstring>
 #include <fmt/format.h>
 #include <thread>
 

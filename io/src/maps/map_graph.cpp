@@ -13,7 +13,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <array>
 #include <cctype>
 #include <fmt/format.h>
 #include <optional>

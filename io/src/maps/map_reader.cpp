@@ -8,7 +8,6 @@
 #include <facetloc/features/sure_threshold.h>
 
 #include <fmt/format.h>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>

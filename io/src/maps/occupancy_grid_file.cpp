@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
-#include <optional>
 
 namespace facetloc {
 namespace {

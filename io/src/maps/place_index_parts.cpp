@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <streambuf>
-#include <utility>
 
 namespace facetloc::place_index_parts {
 

@@ -6,7 +6,6 @@
 #include <facetloc/io/error.h>
 
 #include <fmt/format.h>
-#include <map>
 #include <mutex>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>

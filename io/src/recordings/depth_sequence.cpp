@@ -18,7 +18,6 @@
 #include <facetloc/io/segment_file.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

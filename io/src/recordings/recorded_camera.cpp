@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <system_error>
 
 namespace facetloc::internal {
 namespace {

@@ -7,7 +7,6 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <functional>
 #include <optional>

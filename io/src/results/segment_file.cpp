@@ -10,7 +10,6 @@
 #include <pcl/common/io.h>
 #include <pcl/conversions.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>

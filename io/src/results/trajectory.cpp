@@ -3,7 +3,6 @@
 #include "results/pose_columns.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cmath>
