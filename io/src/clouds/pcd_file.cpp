@@ -17,6 +17,7 @@
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace facetloc {
@@ -53,41 +54,42 @@ std::string bodyOf(const std::filesystem::path& path, const PcdHeader& header) {
   return body;
 }
 
-template <class Number>
-bool put(std::string_view word, std::uint8_t* place) {
-  const auto number = text::to<Number>(word);
-  if (number) std::memcpy(place, &*number, sizeof *number);
-  return number.has_value();
-}
-
-/** Despite its type, PCL writes an rgb field as the whole number that its bytes are. */
-bool putFloat(const Field& field, std::string_view word, std::uint8_t* place) {
-  return (field.name == "rgb" && put<std::uint32_t>(word, place)) || put<float>(word, place);
+/** Calls visit(Number()) with the type of number of a field. */
+template <class Visit>
+auto visitType(std::uint8_t type, const Visit& visit) -> decltype(visit(double())) {
+  switch (type) {
+  case Field::INT8:
+    return visit(std::int8_t());
+  case Field::UINT8:
+    return visit(std::uint8_t());
+  case Field::INT16:
+    return visit(std::int16_t());
+  case Field::UINT16:
+    return visit(std::uint16_t());
+  case Field::INT32:
+    return visit(std::int32_t());
+  case Field::UINT32:
+    return visit(std::uint32_t());
+  case Field::INT64:
+    return visit(std::int64_t());
+  case Field::UINT64:
+    return visit(std::uint64_t());
+  case Field::FLOAT32:
+    return visit(float());
+  default:
+    return visit(double());
+  }
 }
 
 bool putNumber(const Field& field, std::string_view word, std::uint8_t* place) {
-  switch (field.datatype) {
-  case Field::INT8:
-    return put<std::int8_t>(word, place);
-  case Field::UINT8:
-    return put<std::uint8_t>(word, place);
-  case Field::INT16:
-    return put<std::int16_t>(word, place);
-  case Field::UINT16:
-    return put<std::uint16_t>(word, place);
-  case Field::INT32:
-    return put<std::int32_t>(word, place);
-  case Field::UINT32:
-    return put<std::uint32_t>(word, place);
-  case Field::INT64:
-    return put<std::int64_t>(word, place);
-  case Field::UINT64:
-    return put<std::uint64_t>(word, place);
-  case Field::FLOAT32:
-    return putFloat(field, word, place);
-  default:
-    return put<double>(word, place);
-  }
+  const auto put = [&](auto zero) {
+    const auto number = text::to<decltype(zero)>(word);
+    if (number) std::memcpy(place, &*number, sizeof *number);
+    return number.has_value();
+  };
+  // Despite its type, PCL writes an rgb field as the whole number that its bytes are.
+  if (field.name == "rgb" && field.datatype == Field::FLOAT32 && put(std::uint32_t())) return true;
+  return visitType(field.datatype, put);
 }
 
 void readText(const std::string& body, const PcdHeader& header, const std::string& path,
@@ -123,18 +125,10 @@ bool readCompressed(const std::string& body, const PcdHeader& header, std::vecto
 
 /** The letter of a type in a header. */
 char letterOf(std::uint8_t type) {
-  switch (type) {
-  case Field::FLOAT32:
-  case Field::FLOAT64:
-    return 'F';
-  case Field::INT8:
-  case Field::INT16:
-  case Field::INT32:
-  case Field::INT64:
-    return 'I';
-  default:
-    return 'U';
-  }
+  return visitType(type, [](auto zero) {
+    using Number = decltype(zero);
+    return std::is_floating_point_v<Number> ? 'F' : std::is_signed_v<Number> ? 'I' : 'U';
+  });
 }
 
 std::string headerOf(const pcl::PCLPointCloud2& points) {
@@ -314,13 +308,6 @@ private:
   std::uint64_t width_ = 0, height_ = 0, points_ = 0;
 };
 
-template <class Number>
-double asDouble(const void* bytes) {
-  Number number;
-  std::memcpy(&number, bytes, sizeof number);
-  return static_cast<double>(number);
-}
-
 }  // namespace
 
 PcdHeader::PcdHeader(const std::filesystem::path& path, bool may_be_empty) {
@@ -376,24 +363,10 @@ bool isFloatingPoint(const Field& field) {
 }
 
 double numberAt(std::uint8_t type, const void* bytes) {
-  switch (type) {
-  case Field::INT8:
-    return asDouble<std::int8_t>(bytes);
-  case Field::UINT8:
-    return asDouble<std::uint8_t>(bytes);
-  case Field::INT16:
-    return asDouble<std::int16_t>(bytes);
-  case Field::UINT16:
-    return asDouble<std::uint16_t>(bytes);
-  case Field::INT32:
-    return asDouble<std::int32_t>(bytes);
-  case Field::UINT32:
-    return asDouble<std::uint32_t>(bytes);
-  case Field::FLOAT32:
-    return asDouble<float>(bytes);
-  default:
-    return asDouble<double>(bytes);
-  }
+  return visitType(type, [bytes](auto number) {
+    std::memcpy(&number, bytes, sizeof number);
+    return static_cast<double>(number);
+  });
 }
 
 }  // namespace facetloc
