@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/map_apps.h"
+#include "cli/tools.h"
 
 int main(int argc, char** argv) {
   return facetloc::runMapTool({argv + 1, argv + argc}, facetloc::standardConsole());

@@ -5,7 +5,6 @@
 #undef main
 
 #include "example_room.h"
-#include "tools/simulate_app.h"
 
 #include <sqlite3.h>
 
@@ -88,7 +87,7 @@ class BuildMapExample : public testing::Test {
 protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    ASSERT_EQ(runTool<SimulateApp>({"room", "-o", *folder_ / "", "--seed", "8", "--map-frames", "60",
+    ASSERT_EQ(runTool<simulateApp>({"room", "-o", *folder_ / "", "--seed", "8", "--map-frames", "60",
                                     "--query-frames", "2", "--width", "320", "--drive.turn_deg", "8",
                                     "--sensor.distortion", "3"})
                   .code,

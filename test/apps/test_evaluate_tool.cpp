@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/evaluate_app.h"
 #include "example_room.h"
-#include "tools/localize_app.h"
 
 #include <facetloc/features/so3.h>
 #include <facetloc/io/trajectory.h>
@@ -14,9 +12,9 @@ namespace {
 TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
   const std::string place = fs::path(map_run()).parent_path().string();
   for (const char* run : {"map", "query"})
-    ok(runTool<LocalizeApp>({map(), place + "/" + run, "-o", folder_ / (std::string("results/") + run)}));
+    ok(runTool<localizeApp>({map(), place + "/" + run, "-o", folder_ / (std::string("results/") + run)}));
   const std::vector<std::string> arguments = {folder_ / "results", place, "--map", map()};
-  EXPECT_THAT(ok(runTool<EvaluateApp>(arguments)).out,
+  EXPECT_THAT(ok(runTool<evaluateApp>(arguments)).out,
               HasAll("all images", "new", "covered", "Solvable:", "ERRORS BY THE NUMBER OF VISIBLE PLANES",
                      "TIME PER IMAGE"));
   EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"),
@@ -24,7 +22,7 @@ TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
                      "TABLE II.", "class=\"plan\""));
   auto again = arguments;
   again.insert(again.end(), {"-o", folder_ / "again"});
-  ok(runTool<EvaluateApp>(again));
+  ok(runTool<evaluateApp>(again));
   for (const char* file : {"tables.csv", "frames.csv", "fig6.csv", "errors.csv", "timing_summary.csv"})
     EXPECT_EQ(contentOf(folder_ / "results/evaluation/" + file), contentOf(folder_ / "again/" + file))
         << file;
@@ -32,13 +30,13 @@ TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
 
 TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
   const std::string results = folder_ / "results", evaluation = results + "/evaluation";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
   fs::create_directories(evaluation + "/failures");
   for (const char* stale : {"/failures/miss_1.5.png", "/failures/1.5.png", "/failures/miss_1.5.txt",
                             "/floor_map.png", "/timing_summary.csv"})
     writeContent(evaluation + stale, "stale");
   fs::remove(results + "/timing.csv");
-  ok(runTool<EvaluateApp>({results, query()}));
+  ok(runTool<evaluateApp>({results, query()}));
   for (const char* stale : {"/failures/miss_1.5.png", "/floor_map.png", "/timing_summary.csv"})
     EXPECT_FALSE(fs::exists(evaluation + stale)) << stale;
   for (const char* others : {"/failures/1.5.png", "/failures/miss_1.5.txt"})
@@ -48,7 +46,7 @@ TEST_F(Tools, EvaluateLeavesNothingOfAnEarlierOne) {
 
 TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
   const std::string results = folder_ / "results", moved = folder_ / "moved";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
   fs::create_directories(moved);
   std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
@@ -58,12 +56,12 @@ TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
   writeTumTrajectory(moved + "/groundtruth.txt", poses);
 
   const std::vector<std::string> lost = {results, moved, "--map", map(), "-o", folder_ / "lost"};
-  ok(runTool<EvaluateApp>(lost));
+  ok(runTool<evaluateApp>(lost));
   const ToolRun run =
-      ok(runTool<EvaluateApp>({results, moved, "--map", map(), "--align", "-o", folder_ / "found"}));
+      ok(runTool<evaluateApp>({results, moved, "--map", map(), "--align", "-o", folder_ / "found"}));
   EXPECT_THAT(run.out, HasAll("Aligned with the truth: rotated by",
                               "Absolute trajectory error of all sure answers: RMSE"));
-  ok(runTool<EvaluateApp>({results, query(), "--map", map(), "-o", folder_ / "own"}));
+  ok(runTool<evaluateApp>({results, query(), "--map", map(), "-o", folder_ / "own"}));
   const auto correct = [&](const std::string& evaluation) {
     std::istringstream lines(contentOf(folder_ / evaluation + "/tables.csv"));
     for (std::string line; std::getline(lines, line);)
@@ -78,12 +76,12 @@ TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
 
 TEST_F(Tools, EvaluateKnowsErrorsRelativeToLocalModels) {
   const std::string results = folder_ / "results", truth = map_run() + "/groundtruth.txt";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
   const std::string title = "Sure answers relative to their local models";
-  EXPECT_THAT(runTool<EvaluateApp>({results, query(), "--map", map()}).out, Not(HasSubstr(title)));
-  EXPECT_THAT(runTool<EvaluateApp>({results, query(), "--map", map(), "--map-groundtruth", truth}).out,
+  EXPECT_THAT(runTool<evaluateApp>({results, query(), "--map", map()}).out, Not(HasSubstr(title)));
+  EXPECT_THAT(runTool<evaluateApp>({results, query(), "--map", map(), "--map-groundtruth", truth}).out,
               HasSubstr(title));
-  EXPECT_THAT(runTool<EvaluateApp>({results, query(), "--map-groundtruth", truth}).out, HasSubstr(title))
+  EXPECT_THAT(runTool<evaluateApp>({results, query(), "--map-groundtruth", truth}).out, HasSubstr(title))
       << "by the names of models, which are stamps";
 }
 
@@ -93,7 +91,7 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
   const std::size_t all = poses.size();
   for (StampedPose& pose : poses) pose.T_w_c.translation() *= 1.01;
   writeTumTrajectory(estimate, poses);
-  ToolRun run = runTool<EvaluateApp>({estimate, map_run()});
+  ToolRun run = runTool<evaluateApp>({estimate, map_run()});
   ASSERT_EQ(run.code, kOk) << run.err;
   EXPECT_THAT(run.out, HasAll(std::to_string(all) + " poses over", "ABSOLUTE TRAJECTORY ERROR",
                               "position [mm]", "over 1 s [mm]"));
@@ -104,24 +102,24 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
   const std::string csv = contentOf(folder_ / "walk_evaluation/trajectory_errors.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), all + 1);
 
-  run = runTool<EvaluateApp>({estimate, query()});  // another run, at other times
+  run = runTool<evaluateApp>({estimate, query()});  // another run, at other times
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasAll("walk.txt", "0 pairs"));
   poses.resize(2);
   writeTumTrajectory(estimate, poses);
-  EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("2 pairs"));
+  EXPECT_THAT(runTool<evaluateApp>({estimate, truth}).err, HasSubstr("2 pairs"));
   poses.push_back(poses.back());
   writeTumTrajectory(estimate, poses);
-  EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("two estimated poses have the stamp"));
+  EXPECT_THAT(runTool<evaluateApp>({estimate, truth}).err, HasSubstr("two estimated poses have the stamp"));
   writeContent(estimate, "no pose\n");
-  EXPECT_THAT(runTool<EvaluateApp>({estimate, truth}).err, HasSubstr("line 1"));
+  EXPECT_THAT(runTool<evaluateApp>({estimate, truth}).err, HasSubstr("line 1"));
 }
 
 TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   const std::string results = folder_ / "results";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
   ok(runMap({"build", query(), "-o", folder_ / "other.flmap"}));
-  ToolRun run = runTool<EvaluateApp>({results, query(), "--map", folder_ / "other.flmap"});
+  ToolRun run = runTool<evaluateApp>({results, query(), "--map", folder_ / "other.flmap"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("of another map"));
   EXPECT_FALSE(fs::exists(results + "/evaluation"));
@@ -132,15 +130,15 @@ TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   for (std::size_t at; (at = doubtful.find(",sure")) != std::string::npos;)
     doubtful.replace(at, 5, ",doubtful");
   writeContent(results + "/hypotheses.csv", doubtful);
-  run = runTool<EvaluateApp>({results, query(), "--align"});
+  run = runTool<evaluateApp>({results, query(), "--align"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("has 0 sure answers"));
 
   writeContent(results + "/hypotheses.csv", header);
-  run = runTool<EvaluateApp>({results, query()});
+  run = runTool<evaluateApp>({results, query()});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_THAT(run.err, HasSubstr("contains no results of any image"));
-  EXPECT_EQ(runTool<EvaluateApp>({folder_ / "nowhere", query()}).code, kFailed);
+  EXPECT_EQ(runTool<evaluateApp>({folder_ / "nowhere", query()}).code, kFailed);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation.h"
 #include "evaluation/evaluation_report.h"
 #include "outputs/localization_report.h"
@@ -403,7 +402,7 @@ TEST(EvaluateApp, PrintsAndWritesTheTables) {
   }
   writeResults(folder / "results", results, "");
   writeTumTrajectory(folder / "truth.txt", exampleTruth().poses());
-  const ToolRun run = ok(runTool<EvaluateApp>({folder / "results", folder / "truth.txt"}));
+  const ToolRun run = ok(runTool<evaluateApp>({folder / "results", folder / "truth.txt"}));
   EXPECT_THAT(run.out, HasAll("718 (90.65 %)", "3 (60.00 %)"));
   EXPECT_EQ(lastLine(run.out), "evaluation in " + (folder / "results/evaluation"));
   EXPECT_THAT(contentOf(folder / "results/evaluation/tables.csv"),
@@ -412,15 +411,15 @@ TEST(EvaluateApp, PrintsAndWritesTheTables) {
               HasSubstr("\n,2.0,2,unknown,0,,,,3,2,50,1,1,doubtful,0.6,"));
   EXPECT_THAT(contentOf(folder / "results/evaluation/fig6.csv"),
               HasSubstr("set,share,translation_mm,orientation_deg,index\nall,0.333333333,10,"));
-  EXPECT_EQ(runTool<EvaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);
-  EXPECT_EQ(runTool<EvaluateApp>({}).code, kUsage);
-  EXPECT_EQ(runTool<EvaluateApp>({folder / "results"}).code, kOk) << "without truth";
+  EXPECT_EQ(runTool<evaluateApp>({folder / "nowhere", folder / "truth.txt"}).code, kFailed);
+  EXPECT_EQ(runTool<evaluateApp>({}).code, kUsage);
+  EXPECT_EQ(runTool<evaluateApp>({folder / "results"}).code, kOk) << "without truth";
 }
 
 TEST(EvaluateApp, MapPosesFollowThePapersRule) {
   std::vector<StampedPose> run;
   for (int i = 0; i < 20; ++i) run.push_back({0.1 * i, pose(0.1 * i)});
-  EXPECT_EQ(modelPosesOf(Trajectory(run), {}).size(), 4u);  // at 0, 0.5, 1.0 and 1.5 m
+  EXPECT_EQ(modelPosesOf(Trajectory(run)).size(), 4u);  // at 0, 0.5, 1.0 and 1.5 m
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tool_runner.h"
-#include "tools/map_apps.h"
-#include "tools/map_model_app.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/features/map_surfaces.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/occupancy_grid_file.h>
 
 namespace facetloc::test {
@@ -18,20 +16,20 @@ protected:
 /** A plan becomes a map, and the map a plan. */
 TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
   const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";
-  ok(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}));
+  ok(runTool<simulateApp>({"hotel", "--grid", folder_ / "hotel"}));
   std::ofstream(folder_ / "poses.txt") << "0 2.2 0 1 -0.5 0.5 -0.5 0.5\n1 6.6 0 1 -0.5 0.5 -0.5 0.5\n"
                                           "2 11 0 1 0.5 0.5 -0.5 -0.5\n3 15.4 0 1 0.5 0.5 -0.5 -0.5\n";
-  EXPECT_THAT(ok(runTool<MapModelApp>(
+  EXPECT_THAT(ok(runTool<mapModelApp>(
                      {plan, "-o", map, "--wall-height", "2.5", "--viewpoints", folder_ / "poses.txt"}))
                   .out,
               HasSubstr("2.50 m high"));
   const Map read = openMap(map);
   EXPECT_EQ(read.models.size(), 4u);
   EXPECT_TRUE(lacksSurfaces(read));
-  EXPECT_THAT(runTool<MapInfoApp>({map}).out, HasSubstr("a floor plan"));
+  EXPECT_THAT(runTool<mapInfoApp>({map}).out, HasSubstr("a floor plan"));
 
   const ToolRun back =
-      ok(runTool<MapExportApp>({map, "--grid", folder_ / "back/", "--grid.resolution", "0.1"}));
+      ok(runTool<mapExportApp>({map, "--grid", folder_ / "back/", "--grid.resolution", "0.1"}));
   const OccupancyGrid grid = readOccupancyGrid(folder_ / "back/map.yaml"), truth = readOccupancyGrid(plan);
   int walls = 0, wrong = 0;
   for (int row = 0; row < grid.height; ++row)
@@ -50,12 +48,12 @@ TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
 }
 
 TEST_F(FloorPlanTools, FloorPlansAreAskedForTheirHeight) {
-  ok(runTool<SimulateApp>({"hotel", "--grid", folder_ / "hotel"}));
+  ok(runTool<simulateApp>({"hotel", "--grid", folder_ / "hotel"}));
   const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";
-  EXPECT_THAT(runTool<MapModelApp>({plan, "-o", map}), refuses("--wall-height"));
-  EXPECT_EQ(runTool<MapModelApp>({"scan.ply", "-o", map, "--wall-height", "2"}).code, kUsage);
+  EXPECT_THAT(runTool<mapModelApp>({plan, "-o", map}), refuses("--wall-height"));
+  EXPECT_EQ(runTool<mapModelApp>({"scan.ply", "-o", map, "--wall-height", "2"}).code, kUsage);
   std::ofstream(folder_ / "bad.yaml") << "image: hotel.pgm\nresolution: nan\norigin: [0, 0, 0]\n";
-  EXPECT_THAT(runTool<MapModelApp>({folder_ / "bad.yaml", "-o", map, "--wall-height", "2"}),
+  EXPECT_THAT(runTool<mapModelApp>({folder_ / "bad.yaml", "-o", map, "--wall-height", "2"}),
               fails("resolution"));
   EXPECT_FALSE(std::filesystem::exists(map));
 }

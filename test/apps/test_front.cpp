@@ -2,7 +2,6 @@
 #include "example_room.h"
 #include "process.h"
 #include "tools/front.h"
-#include "tools/try_app.h"
 
 #include <facetloc/testing/places.h>
 
@@ -39,7 +38,7 @@ TEST(Front, BecomesTheToolThatIsNamed) {
 
 TEST_F(Tools, TryMakesAReportOfTwoRecordings) {
   const std::string folder = folder_ / "tried";
-  const ToolRun run = runTool<TryApp>({map_run(), query(), "-o", folder});
+  const ToolRun run = runTool<tryApp>({map_run(), query(), "-o", folder});
   ASSERT_EQ(run.code, kOk) << run.err << run.out;
   for (const char* stage : {"1/4 check", "2/4 build", "3/4 localize", "4/4 evaluate"})
     EXPECT_THAT(run.out, HasSubstr(stage));
@@ -48,14 +47,14 @@ TEST_F(Tools, TryMakesAReportOfTwoRecordings) {
   for (const char* file :
        {"map.flmap", "results/hypotheses.csv", "check.txt", "build.txt", "localize.txt", "evaluate.txt"})
     EXPECT_TRUE(fs::exists(folder + "/" + file)) << file;
-  EXPECT_EQ(runTool<TryApp>({map_run(), query(), "-o", folder}).code, kOk) << "again, in the same folder";
+  EXPECT_EQ(runTool<tryApp>({map_run(), query(), "-o", folder}).code, kOk) << "again, in the same folder";
 }
 
 TEST_F(Tools, TryNeedsNoTruth) {
   const std::string folder = folder_ / "tried", blind = folder_ / "blind";
   fs::copy(query(), blind, fs::copy_options::recursive);
   fs::remove(blind + "/groundtruth.txt");
-  const ToolRun run = runTool<TryApp>({map_run(), blind, "-o", folder});
+  const ToolRun run = runTool<tryApp>({map_run(), blind, "-o", folder});
   ASSERT_EQ(run.code, kOk) << run.err << run.out;
   const std::string report = contentOf(folder + "/report.html");
   EXPECT_THAT(report, HasAll("have a sure answer", "class=\"plan\"", Not(HasSubstr("TABLE"))));
@@ -63,9 +62,9 @@ TEST_F(Tools, TryNeedsNoTruth) {
 }
 
 TEST_F(Tools, TryStopsWhereSomethingIsWrong) {
-  EXPECT_THAT(runTool<TryApp>({folder_ / "nowhere"}), fails("nowhere: does not exist"));
-  EXPECT_EQ(runTool<TryApp>({}).code, kUsage);
-  EXPECT_THAT(runTool<TryApp>({map_run(), "-o", folder_ / "tried", "--depth-scale", "200000"}),
+  EXPECT_THAT(runTool<tryApp>({folder_ / "nowhere"}), fails("nowhere: does not exist"));
+  EXPECT_EQ(runTool<tryApp>({}).code, kUsage);
+  EXPECT_THAT(runTool<tryApp>({map_run(), "-o", folder_ / "tried", "--depth-scale", "200000"}),
               fails("stopped at check"));
   EXPECT_FALSE(fs::exists(folder_ / "tried/map.flmap"));
 }

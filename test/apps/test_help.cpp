@@ -1,21 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/presets.h"
-#include "evaluation/evaluate_app.h"
-#include "live/live_app.h"
 #include "tool_runner.h"
-#include "tools/check_app.h"
-#include "tools/convert_app.h"
-#include "tools/localize_app.h"
-#include "tools/map_apps.h"
-#include "tools/map_calibrate_app.h"
-#include "tools/map_densify_app.h"
-#include "tools/map_extend_app.h"
-#include "tools/map_model_app.h"
-#include "tools/register_app.h"
-#include "tools/render_app.h"
-#include "tools/segment_app.h"
-#include "tools/simulate_app.h"
-#include "tools/try_app.h"
 
 #include <algorithm>
 #include <map>
@@ -25,26 +10,26 @@ namespace {
 
 /** The output of each tool for --help or --help-all. */
 std::map<std::string, std::string> helpOfAll(const std::string& option) {
-  return {{"evaluate", runTool<EvaluateApp>({option}).out},
-          {"live", runTool<LiveApp>({option}).out},
-          {"localize", runTool<LocalizeApp>({option}).out},
-          {"map build", runTool<MapBuildApp>({option}).out},
-          {"map info", runTool<MapInfoApp>({option}).out},
-          {"map merge", runTool<MapMergeApp>({option}).out},
-          {"register", runTool<RegisterApp>({option}).out},
-          {"render", runTool<RenderApp>({option}).out},
-          {"segment", runTool<SegmentApp>({option}).out},
-          {"simulate", runTool<SimulateApp>({option}).out},
-          {"map export", runTool<MapExportApp>({option}).out},
-          {"check", runTool<CheckApp>({option}).out},
-          {"map check", runTool<MapCheckApp>({option}).out},
-          {"map import", runTool<MapImportApp>({option}).out},
-          {"map extend", runTool<MapExtendApp>({option}).out},
-          {"map calibrate", runTool<MapCalibrateApp>({option}).out},
-          {"map from-model", runTool<MapModelApp>({option}).out},
-          {"map densify", runTool<MapDensifyApp>({option}).out},
-          {"try", runTool<TryApp>({option}).out},
-          {"convert", runTool<ConvertApp>({option}).out}};
+  return {{"evaluate", runTool<evaluateApp>({option}).out},
+          {"live", runTool<liveApp>({option}).out},
+          {"localize", runTool<localizeApp>({option}).out},
+          {"map build", runTool<mapBuildApp>({option}).out},
+          {"map info", runTool<mapInfoApp>({option}).out},
+          {"map merge", runTool<mapMergeApp>({option}).out},
+          {"register", runTool<registerApp>({option}).out},
+          {"render", runTool<renderApp>({option}).out},
+          {"segment", runTool<segmentApp>({option}).out},
+          {"simulate", runTool<simulateApp>({option}).out},
+          {"map export", runTool<mapExportApp>({option}).out},
+          {"check", runTool<checkApp>({option}).out},
+          {"map check", runTool<mapCheckApp>({option}).out},
+          {"map import", runTool<mapImportApp>({option}).out},
+          {"map extend", runTool<mapExtendApp>({option}).out},
+          {"map calibrate", runTool<mapCalibrateApp>({option}).out},
+          {"map from-model", runTool<mapModelApp>({option}).out},
+          {"map densify", runTool<mapDensifyApp>({option}).out},
+          {"try", runTool<tryApp>({option}).out},
+          {"convert", runTool<convertApp>({option}).out}};
 }
 
 TEST(Help, FitsOnAScreen) {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The live tool as a user runs it: a process of its own, with the real OpenNI2 and our driver.
 #include "base/text.h"
-#include "live/live_app.h"
 #include "live_tool.h"
-#include "tools/map_apps.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
@@ -63,7 +60,7 @@ std::unique_ptr<TemporaryFolder> LiveTool::room_;
 
 void LiveTool::SetUpTestSuite() {
   room_ = std::make_unique<TemporaryFolder>();
-  ok(runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", "40", "--width", "320",
+  ok(runTool<simulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", "40", "--width", "320",
                            "--drive.turn_deg", "3", "--drive.step", "0.05"}));
   ok(captured([](const Console& console) {
     return runMapTool({"build", *room_ / "map", "-o", map(), "--map.distance", "0.2"}, console);
@@ -189,12 +186,12 @@ TEST_F(LiveTool, NamesFaultsOfFiles) {
 TEST(LiveApp, RefusesSenselessOptions) {
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"--every", "0"}, {"--max-frames", "-1"}, {"--duration", "-1"}, {"--speed", "-2"}, {"--foo"}}) {
-    EXPECT_EQ(runTool<LiveApp>(arguments).code, kUsage) << arguments.front();
+    EXPECT_EQ(runTool<liveApp>(arguments).code, kUsage) << arguments.front();
   }
 }
 
 TEST(LiveApp, HelpListsTheKeys) {
-  const ToolRun run = ok(runTool<LiveApp>({"--help"}));
+  const ToolRun run = ok(runTool<liveApp>({"--help"}));
   for (const char* key : {"screenshot", "record", "pause", "relocalize", "quit"})
     EXPECT_THAT(run.out, HasSubstr(key));
 }

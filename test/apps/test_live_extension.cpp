@@ -3,7 +3,6 @@
 #include "inputs/robot_line.h"
 #include "live/remembered_pose.h"
 #include "live_tool.h"
-#include "tools/map_apps.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Maps that the live tool makes while it runs, and the file left by a killed one.
 #include "live_tool.h"
-#include "tools/map_apps.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>

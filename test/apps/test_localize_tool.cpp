@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation.h"
 #include "example_room.h"
-#include "tools/localize_app.h"
-#include "tools/register_app.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/map_database.h>
@@ -19,7 +15,7 @@ namespace facetloc::test {
 namespace {
 
 TEST_F(Tools, MapImagesAreFoundInTheirMap) {
-  ok(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "results"}));
+  ok(runTool<localizeApp>({map(), map_run(), "-o", folder_ / "results"}));
   const auto rows = readHypotheses(folder_ / "results");
   const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
   const Evaluation evaluation = evaluate(rows, truth, {}, {});
@@ -33,7 +29,7 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
   for (LocalModel& model : bare.models) model.T_w_m.reset();
   writeMap(folder_ / "bare.flmap", bare);
   const auto sureIn = [&](const std::string& map, const std::string& results) {
-    ok(runTool<LocalizeApp>({map, query(), "-o", folder_ / results}));
+    ok(runTool<localizeApp>({map, query(), "-o", folder_ / results}));
     return readTumTrajectory(folder_ / (results + "/poses_tum.txt")).poses().size();
   };
   const std::size_t with_poses = sureIn(map(), "posed");
@@ -41,7 +37,7 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
   EXPECT_GE(static_cast<double>(sureIn(folder_ / "bare.flmap", "bare")),
             0.95 * static_cast<double>(with_poses));
   EXPECT_THAT(
-      runTool<EvaluateApp>({folder_ / "bare", query() + "/groundtruth.txt", "--map", folder_ / "bare.flmap"}),
+      runTool<evaluateApp>({folder_ / "bare", query() + "/groundtruth.txt", "--map", folder_ / "bare.flmap"}),
       fails("no world poses"));
 
   bare.links.erase(bare.links.begin() + static_cast<std::ptrdiff_t>(bare.links.size() / 2));
@@ -56,16 +52,16 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
 }
 
 TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
-  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "a", "--probability.map_incomplete", "0.1",
+  ok(runTool<localizeApp>({map(), firstImage(), "-o", folder_ / "a", "--probability.map_incomplete", "0.1",
                            "--calibration.probability.null_score", "-5", "--width=160"}));
-  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"}));
+  ok(runTool<localizeApp>({map(), firstImage(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"}));
   EXPECT_EQ(contentOf(folder_ / "a/params.ini"), contentOf(folder_ / "b/params.ini"));
   EXPECT_EQ(contentOf(folder_ / "a/hypotheses.csv"), contentOf(folder_ / "b/hypotheses.csv"));
 }
 
 TEST_F(Tools, AMapThatIsSaidToCoverAllNeedsLessEvidence) {
   const auto localized = [&](const std::string& name, const std::vector<std::string>& options) {
-    return runTool<LocalizeApp>(Arguments{map(), firstImage(), "-o", folder_ / name} + options).code;
+    return runTool<localizeApp>(Arguments{map(), firstImage(), "-o", folder_ / name} + options).code;
   };
   const auto not_in_map = [&](const std::string& name) {
     return readHypotheses(folder_ / name).front().not_in_map;
@@ -85,7 +81,7 @@ TEST_F(Tools, AMapThatIsSaidToCoverAllNeedsLessEvidence) {
 TEST_F(Tools, ThePapersMethodFindsPlaces) {
   const std::string map = folder_ / "paper.flmap", results = folder_ / "paper";
   ok(runMap({"build", map_run(), "-o", map, "--preset", "paper"}));
-  ok(runTool<LocalizeApp>({map, query(), "-o", results, "--preset", "paper"}));
+  ok(runTool<localizeApp>({map, query(), "-o", results, "--preset", "paper"}));
   EXPECT_THAT(contentOf(fs::path(results) / "params.ini"),
               HasAll("max_expansions = 1000", "max_hypotheses = 20"));
   const Summary all = summarize(
@@ -97,7 +93,7 @@ TEST_F(Tools, ThePapersMethodFindsPlaces) {
 TEST_F(Tools, ADriveIsLocalizedAsOne) {
   const auto run = [&](const std::string& threads) {
     const fs::path results = folder_ / ("drive" + threads);
-    ok(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--threads", threads}));
+    ok(runTool<localizeApp>({map(), map_run(), "-o", results, "--sequence", "--threads", threads}));
     return results;
   };
   const fs::path once = run("1"), again = run("2");
@@ -111,14 +107,14 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
     EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   }
   EXPECT_GE(sure, kFrames / 3);
-  ok(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "alone"}));
+  ok(runTool<localizeApp>({map(), map_run(), "-o", folder_ / "alone"}));
   EXPECT_EQ(readHypotheses(once).front().state, readHypotheses(folder_ / "alone").front().state)
       << "a drive begins as sure as its first image";
 }
 
 TEST_F(Tools, ADriveIsAlsoLocalizedByItsLaterImages) {
   const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
-    ok(runTool<LocalizeApp>(Arguments{map(), map_run(), "-o", folder_ / name, "--sequence"} + more));
+    ok(runTool<localizeApp>(Arguments{map(), map_run(), "-o", folder_ / name, "--sequence"} + more));
     return folder_ / name;
   };
   const std::string filtered = run("filtered", {}), smoothed = run("smoothed", {"--smooth"});
@@ -127,14 +123,14 @@ TEST_F(Tools, ADriveIsAlsoLocalizedByItsLaterImages) {
   EXPECT_GE(sure.size(), readTumTrajectory(filtered + "/poses_tum.txt").poses().size());
   for (const StampedPose& p : sure) EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   EXPECT_THAT(contentOf(smoothed + "/params.ini"), HasSubstr("smooth = 1"));
-  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
-  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--near", "0,0,1,0"}).code, kUsage);
-  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", filtered, "--sequence", "--near", "here"}).code,
+  EXPECT_EQ(runTool<localizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
+  EXPECT_EQ(runTool<localizeApp>({map(), map_run(), "-o", filtered, "--near", "0,0,1,0"}).code, kUsage);
+  EXPECT_EQ(runTool<localizeApp>({map(), map_run(), "-o", filtered, "--sequence", "--near", "here"}).code,
             kUsage);
 }
 
 TEST_F(Tools, ADriveSaysWhenItIsFirstSureAndWhyNotBefore) {
-  const ToolRun run = ok(runTool<LocalizeApp>(
+  const ToolRun run = ok(runTool<localizeApp>(
       {map(), map_run(), "-o", folder_ / "drive", "--sequence", "--min-probability", "0.999"}));
   std::vector<std::string> frames;
   std::size_t first_sure = 0;
@@ -153,8 +149,8 @@ TEST_F(Tools, ParametersOfADriveCanBeUsedAgain) {
       map(),        map_run(),           "-o",   folder_ / "a",
       "--sequence", "--min-probability", "0.95", "--localizer.look_distance",
       "0.2"};
-  ok(runTool<LocalizeApp>(drive));
-  ok(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"}));
+  ok(runTool<localizeApp>(drive));
+  ok(runTool<localizeApp>({map(), map_run(), "-o", folder_ / "b", "--params", folder_ / "a/params.ini"}));
   for (const char* file : {"params.ini", "hypotheses.csv", "poses_tum.txt", "covariances.csv"})
     EXPECT_EQ(contentOf(folder_ / ("a/" + std::string(file))),
               contentOf(folder_ / ("b/" + std::string(file))))
@@ -163,7 +159,7 @@ TEST_F(Tools, ParametersOfADriveCanBeUsedAgain) {
 
 TEST_F(Tools, ADriveIsJudgedFromAllItsStarts) {
   const fs::path results = folder_ / "starts";
-  ok(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--sequence", "--starts", "3"}));
+  ok(runTool<localizeApp>({map(), map_run(), "-o", results, "--sequence", "--starts", "3"}));
   const std::vector<StartAnswer> answers = readStarts(results);
   std::set<std::string> starts;
   for (const StartAnswer& answer : answers) {
@@ -172,40 +168,40 @@ TEST_F(Tools, ADriveIsJudgedFromAllItsStarts) {
   }
   EXPECT_EQ(starts.size(), static_cast<std::size_t>((kFrames + 2) / 3));
 
-  EXPECT_THAT(ok(runTool<EvaluateApp>({results, map_run() + "/groundtruth.txt"})).out,
+  EXPECT_THAT(ok(runTool<evaluateApp>({results, map_run() + "/groundtruth.txt"})).out,
               HasSubstr("FROM A START"));
   for (const char* name : {"starts_by_images.csv", "starts_by_metres.csv"})
     EXPECT_THAT(contentOf(results / "evaluation" / name), HasSubstr("recall,precision"));
-  EXPECT_EQ(runTool<LocalizeApp>({map(), map_run(), "-o", results, "--starts", "3"}).code, kUsage);
-  ok(runTool<LocalizeApp>({map(), map_run(), "-o", results}));
+  EXPECT_EQ(runTool<localizeApp>({map(), map_run(), "-o", results, "--starts", "3"}).code, kUsage);
+  ok(runTool<localizeApp>({map(), map_run(), "-o", results}));
   EXPECT_TRUE(readStarts(results).empty()) << "of an earlier run";
 }
 
 TEST_F(Tools, ADriveHasAllItsImages) {
-  EXPECT_THAT(runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--resume"}),
+  EXPECT_THAT(runTool<localizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--resume"}),
               refuses("--resume"));
   const ToolRun by_overlap =
-      runTool<LocalizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--score.by_overlap"});
+      runTool<localizeApp>({map(), map_run(), "-o", folder_ / "drive", "--sequence", "--score.by_overlap"});
   EXPECT_EQ(by_overlap.code, kUsage);
 }
 
 TEST_F(Tools, LocalizeResumes) {
   const std::string input = withOneCorruptImage();
   const std::string results = folder_ / "results";
-  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", results}), fails(".png: ", "1 of 12 items failed"));
+  EXPECT_THAT(runTool<localizeApp>({map(), input, "-o", results}), fails(".png: ", "1 of 12 items failed"));
   EXPECT_EQ(readTiming(results).size(),
             static_cast<std::size_t>(kFrames));  // the corrupt one with its reason
 
   fs::copy(query() + "/depth", input + "/depth", kReplace);
-  ok(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}));
-  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "at_once"}));
+  ok(runTool<localizeApp>({map(), input, "-o", results, "--resume"}));
+  ok(runTool<localizeApp>({map(), input, "-o", folder_ / "at_once"}));
   EXPECT_EQ(contentOf(results + "/hypotheses.csv"), contentOf(folder_ / "at_once/hypotheses.csv"));
 
   const auto before = fs::last_write_time(results + "/hypotheses.csv");
-  ok(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}));
+  ok(runTool<localizeApp>({map(), input, "-o", results, "--resume"}));
   EXPECT_EQ(fs::last_write_time(results + "/hypotheses.csv"), before);
 
-  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", results, "--resume", "--labels.min_support", "99"}),
+  EXPECT_THAT(runTool<localizeApp>({map(), input, "-o", results, "--resume", "--labels.min_support", "99"}),
               fails("other parameters"));
 }
 
@@ -215,7 +211,7 @@ TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
     fs::copy(query(), input, kReplace);
     fs::copy_file(map(), copy, fs::copy_options::overwrite_existing);
   };
-  const auto resume = [&] { return runTool<LocalizeApp>({copy, input, "-o", results, "--resume"}); };
+  const auto resume = [&] { return runTool<localizeApp>({copy, input, "-o", results, "--resume"}); };
   const auto expectRefused = [&] {
     EXPECT_THAT(resume(), fails("was begun with another map, other images or other parameters"));
   };
@@ -236,10 +232,10 @@ TEST_F(Tools, LocalizeResumesNothingOfOtherInputs) {
 
 TEST_F(Tools, LocalizeResumesWithFewerImages) {
   const std::string input = folder_.copyOf(query(), "input"), results = folder_ / "results";
-  ok(runTool<LocalizeApp>({map(), input, "-o", results}));
+  ok(runTool<localizeApp>({map(), input, "-o", results}));
   const fs::path gone = filesOf(input + "/depth").front();
   fs::remove(gone);
-  ok(runTool<LocalizeApp>({map(), input, "-o", results, "--resume"}));
+  ok(runTool<localizeApp>({map(), input, "-o", results, "--resume"}));
   EXPECT_EQ(readTiming(results).size(), kFrames - 1u);
   for (const ResultRow& row : readHypotheses(results)) EXPECT_NE(row.frame, gone.stem());
   EXPECT_THAT(contentOf(results + "/images.txt"), Not(HasSubstr(gone.stem().string())));
@@ -247,7 +243,7 @@ TEST_F(Tools, LocalizeResumesWithFewerImages) {
 
 TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   const std::string results = folder_ / "results";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
   std::vector<std::string> frames;
   for (const TimingRow& row : readTiming(results)) frames.push_back(row.frame);
   const auto removeFrame = [&](const std::string& file, const std::string& frame) {
@@ -259,7 +255,7 @@ TEST_F(Tools, LocalizeResumesWhereItsFilesDiffer) {
   };
   removeFrame("/hypotheses.csv", frames[2]);
   removeFrame("/timing.csv", frames[5]);
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results, "--resume"}));
   std::vector<std::string> timed;
   for (const TimingRow& row : readTiming(results)) timed.push_back(row.frame);
   EXPECT_EQ(timed, frames);
@@ -273,31 +269,31 @@ constexpr const char* kSameInEachRun[] = {"/hypotheses.csv", "/poses_tum.txt", "
 
 TEST_F(Tools, AFullDiskCostsTheImageAtHandOnly) {
   const std::string results = folder_ / "results", once = folder_ / "once";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", once}));
+  ok(runTool<localizeApp>({map(), query(), "-o", once}));
   {
     const auto room = fs::file_size(once + "/params.ini") + 100;
     ASSERT_LT(room, fs::file_size(once + "/hypotheses.csv"));
     const FullDisk full(room);
-    const ToolRun run = runTool<LocalizeApp>({map(), query(), "-o", results});
+    const ToolRun run = runTool<localizeApp>({map(), query(), "-o", results});
     EXPECT_EQ(run.code, kFailed);
     EXPECT_THAT(run.err, HasSubstr(".csv: " + std::string(FullDisk::kWords)));
     EXPECT_THAT(run.err, Not(HasSubstr("items failed"))) << "it stops at the first write that fails";
   }
   const std::size_t done = readResults(results).size();
   EXPECT_GT(done, 0u);
-  EXPECT_THAT(runTool<EvaluateApp>({results, query() + "/groundtruth.txt"}).err,
+  EXPECT_THAT(runTool<evaluateApp>({results, query() + "/groundtruth.txt"}).err,
               HasSubstr("the run was not finished"));
 
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results, "--resume"}));
   for (const char* file : kSameInEachRun)
     EXPECT_EQ(contentOf(results + file), contentOf(once + file)) << file;
-  EXPECT_THAT(runTool<EvaluateApp>({results, query() + "/groundtruth.txt"}).err,
+  EXPECT_THAT(runTool<evaluateApp>({results, query() + "/groundtruth.txt"}).err,
               Not(HasSubstr("not finished")));
 }
 
 TEST_F(Tools, ARunThatWasKilledGoesOnToTheSameBytes) {
   const std::string results = folder_ / "results", once = folder_ / "once";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", once}));
+  ok(runTool<localizeApp>({map(), query(), "-o", once}));
   const std::string timing = contentOf(once + "/timing.csv"), rows = contentOf(once + "/hypotheses.csv");
   std::size_t fifth = 0;  // ends, of the header and four images
   for (int line = 0; line < 5; ++line) fifth = timing.find('\n', fifth) + 1;
@@ -310,7 +306,7 @@ TEST_F(Tools, ARunThatWasKilledGoesOnToTheSameBytes) {
     writeContent(results + "/hypotheses.csv", rows.substr(0, of_next + written));
     writeContent(results + "/timing.csv", timing.substr(0, fifth) + (written ? "12" : ""));
     EXPECT_EQ(readResults(results).size(), 4u);
-    ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--resume"}));
+    ok(runTool<localizeApp>({map(), query(), "-o", results, "--resume"}));
     for (const char* file : kSameInEachRun)
       EXPECT_EQ(contentOf(results + file), contentOf(once + file)) << file << " of " << written;
   }
@@ -318,23 +314,23 @@ TEST_F(Tools, ARunThatWasKilledGoesOnToTheSameBytes) {
 
 TEST_F(Tools, OtherParametersBeginAnew) {
   const std::string results = folder_ / "results";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
-  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", results, "--labels.min_support", "99"}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
+  ok(runTool<localizeApp>({map(), firstImage(), "-o", results, "--labels.min_support", "99"}));
   EXPECT_EQ(readTiming(results).size(), 1u);
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min_support = 99"));
 }
 
 TEST_F(Tools, LocalizeNamesMissingInputs) {
-  EXPECT_EQ(runTool<LocalizeApp>({map(), query()}).code, kUsage);
-  EXPECT_EQ(runTool<LocalizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);
-  const ToolRun run = runTool<LocalizeApp>({map(), folder_ / "nowhere", "-o", folder_ / "x"});
+  EXPECT_EQ(runTool<localizeApp>({map(), query()}).code, kUsage);
+  EXPECT_EQ(runTool<localizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);
+  const ToolRun run = runTool<localizeApp>({map(), folder_ / "nowhere", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kFailed);
   EXPECT_EQ(run.err, "facetloc_localize: " + (folder_ / "nowhere") + ": does not exist\n");
 }
 
 TEST_F(Tools, SmoothNoiseIsFoundAndReported) {
   const std::string room = folder_ / "room";
-  ok(runTool<SimulateApp>({"room", "-o", room, "--seed", "5", "--frames", std::to_string(kFrames), "--width",
+  ok(runTool<simulateApp>({"room", "-o", room, "--seed", "5", "--frames", std::to_string(kFrames), "--width",
                            "320", "--drive.turn_deg", "8", "--sensor.disparity_std", "2",
                            "--sensor.correlation_px", "3"}));
   const std::string images = room + "/query";
@@ -342,14 +338,14 @@ TEST_F(Tools, SmoothNoiseIsFoundAndReported) {
   const auto tells =
       HasSubstr("the images are noisier than their camera's specification: inverse_depth_std is about 0.00");
   EXPECT_THAT(ok(runMap({"build", room + "/map", "-o", noisy_map, "--map.distance", "0.1"})).err, tells);
-  const ToolRun run = ok(runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "results"}));
+  const ToolRun run = ok(runTool<localizeApp>({noisy_map, images, "-o", folder_ / "results"}));
   EXPECT_THAT(run.err, tells);
   EXPECT_THAT(run.out, HasSubstr("12 images: "));
   EXPECT_THAT(
-      runTool<LocalizeApp>({noisy_map, images, "-o", folder_ / "told", "--noise.inverse_depth_std", "0.006"})
+      runTool<localizeApp>({noisy_map, images, "-o", folder_ / "told", "--noise.inverse_depth_std", "0.006"})
           .err,
       Not(HasSubstr("noisier")));
-  EXPECT_THAT(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "kinect"}).err,
+  EXPECT_THAT(runTool<localizeApp>({map(), query(), "-o", folder_ / "kinect"}).err,
               Not(HasSubstr("noisier")));
 }
 
@@ -360,12 +356,12 @@ TEST_F(Tools, AMountingOfAnotherHeightIsNotThatOfTheMap) {
     std::optional<CameraMounting>& mounting = file.camera.mounting;
     mounting = input == lower ? std::optional(CameraMounting{mounting->height - 0.4, 10}) : std::nullopt;
     writeCameraFile(input + "/camera.ini", file);
-    const ToolRun run = ok(runTool<LocalizeApp>({map(), input, "-o", input + "/results"}));
+    const ToolRun run = ok(runTool<localizeApp>({map(), input, "-o", input + "/results"}));
     EXPECT_THAT(run.err, HasAll(input == lower ? "mounted differently, 0.600 m"
                                                : "mounting of the images' camera is unknown",
                                 "the prior is isotropic"));
   }
-  EXPECT_THAT(runTool<RegisterApp>({filesOf(lower + "/depth")[0].string(), firstImage()}).err,
+  EXPECT_THAT(runTool<registerApp>({filesOf(lower + "/depth")[0].string(), firstImage()}).err,
               HasSubstr("mounted differently"));
 }
 
@@ -376,7 +372,7 @@ TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
     return n;
   };
   const std::string usual = folder_ / "usual", strict = folder_ / "strict";
-  const ToolRun run = ok(runTool<LocalizeApp>({map(), query(), "-o", usual}));
+  const ToolRun run = ok(runTool<localizeApp>({map(), query(), "-o", usual}));
   const int sure = count(usual, AnswerState::sure);
   EXPECT_GT(sure, 0);
   EXPECT_THAT(run.out, HasSubstr("12 images: " + std::to_string(sure) + " sure, " +
@@ -385,15 +381,15 @@ TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
   EXPECT_EQ(readTumTrajectory(usual + "/poses_tum.txt").poses().size(), static_cast<std::size_t>(sure));
   for (const auto& [frame, P] : readCovariances(usual)) EXPECT_EQ(P.llt().info(), Eigen::Success) << frame;
 
-  ok(runTool<LocalizeApp>({map(), query(), "-o", strict, "--min-probability", "1"}));
+  ok(runTool<localizeApp>({map(), query(), "-o", strict, "--min-probability", "1"}));
   EXPECT_LT(count(strict, AnswerState::sure), sure);
   EXPECT_EQ(readCovariances(strict).size(), readCovariances(usual).size());
-  EXPECT_EQ(runTool<LocalizeApp>({map(), query(), "-o", strict, "--min-probability", "0"}).code, kUsage);
+  EXPECT_EQ(runTool<localizeApp>({map(), query(), "-o", strict, "--min-probability", "0"}).code, kUsage);
 }
 
 /** Scores by overlap have no probabilities that one could act on. */
 TEST_F(Tools, LocalizeIsNeverSureByOverlap) {
-  EXPECT_THAT(ok(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results", "--score.by_overlap"})).out,
+  EXPECT_THAT(ok(runTool<localizeApp>({map(), query(), "-o", folder_ / "results", "--score.by_overlap"})).out,
               HasSubstr("12 images: 0 sure"));
 }
 
@@ -403,15 +399,15 @@ TEST_F(Tools, LocalizeAdvisesWhereNothingIsSure) {
   const double fx = file.camera.intrinsics.fx;
   file.camera.intrinsics.fx = file.camera.intrinsics.fy = 0.6 * fx;
   writeCameraFile(input + "/camera.ini", file);
-  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", folder_ / "focal"}).out,
+  EXPECT_THAT(runTool<localizeApp>({map(), input, "-o", folder_ / "focal"}).out,
               HasAll("Check the following:\nDo fx and fy fit", "12 images: 0 sure"));
 
   file.camera.intrinsics.fx = file.camera.intrinsics.fy = fx;
   file.depth_scale *= 5;
   writeCameraFile(input + "/camera.ini", file);
-  EXPECT_THAT(runTool<LocalizeApp>({map(), input, "-o", folder_ / "scale"}).out,
+  EXPECT_THAT(runTool<localizeApp>({map(), input, "-o", folder_ / "scale"}).out,
               HasAll("Check the following:\nDoes depth_scale", "12 images: 0 sure"));
-  EXPECT_THAT(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "good"}).out,
+  EXPECT_THAT(runTool<localizeApp>({map(), query(), "-o", folder_ / "good"}).out,
               Not(HasSubstr("Check the following")));
 }
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
-#include "evaluation/evaluate_app.h"
 #include "evaluation/evaluation.h"
 #include "evaluation/trajectory_errors.h"
 #include "example_room.h"
-#include "tools/localize_app.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/depth_sequence.h>
@@ -19,13 +16,13 @@ namespace {
 
 TEST_F(Tools, MapBuildRemovesTheDepthDistortion) {
   constexpr double kStrength = 3;  // [DU]: a bad camera
-  ok(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60", "--query-frames",
+  ok(runTool<simulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "60", "--query-frames",
                            "20", "--width", "320", "--drive.turn_deg", "8", "--sensor.distortion",
                            text::decimals(kStrength, 0)}));
   const auto meanError = [&](const std::string& name, const std::vector<std::string>& options) {
     const std::string map = folder_ / name + ".flmap", results = folder_ / name;
     ok(runMap(Arguments{"build", folder_ / "map", "-o", map} + options));
-    ok(runTool<LocalizeApp>({map, folder_ / "query", "-o", results}));
+    ok(runTool<localizeApp>({map, folder_ / "query", "-o", results}));
     const Evaluation evaluation =
         evaluate(readHypotheses(results), readTumTrajectory(folder_ / "query/groundtruth.txt"), {}, {});
     return summarize("", evaluation.frames).translation_stats.mean;
@@ -90,7 +87,7 @@ TEST_F(Tools, AnInterruptedMapIsDistinguishedFromAWholeOne) {
   EXPECT_THAT(runMap({"info", path}).out, HasSubstr("state: whole"));
   MapDatabase::open(path).setMeta("state", "under way");  // as until the build ends
   EXPECT_TRUE(told(runMap({"check", path})));
-  EXPECT_TRUE(told(runTool<LocalizeApp>({path, firstImage(), "-o", folder_ / "results"})));
+  EXPECT_TRUE(told(runTool<localizeApp>({path, firstImage(), "-o", folder_ / "results"})));
   EXPECT_TRUE(told(runMap({"merge", path, map(), "-o", folder_ / "both.flmap"})));
   ok(runMap(build));
   EXPECT_FALSE(told(runMap({"check", path})));
@@ -190,7 +187,7 @@ TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
 }
 
 TEST_F(Tools, MapBuildAllowsForTheUnknownLeanOfARobotOnWheels) {
-  ok(runTool<SimulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "120", "--query-frames",
+  ok(runTool<simulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "120", "--query-frames",
                            "2", "--width", "320", "--odometry"}));
   const Trajectory truth = readTumTrajectory(folder_ / "map/groundtruth.txt");
   const auto errorWith = [&](const std::vector<std::string>& options) {
@@ -238,8 +235,8 @@ TEST_F(Tools, MapBuildMatchesNoPosesWithNamesWithoutNumbers) {
               HasSubstr("no time stamps: poses cannot be matched"));
   EXPECT_THAT(runMap({"build", input, "-o", made}).err, HasSubstr("the trajectory is found from the images"));
   ok(runMap({"build", input, "-o", made, "--every", "6", "--overwrite"}));
-  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}));
-  EXPECT_THAT(runTool<EvaluateApp>({folder_ / "results", truth}), fails("is no time stamp"));
+  ok(runTool<localizeApp>({map(), input, "-o", folder_ / "results"}));
+  EXPECT_THAT(runTool<evaluateApp>({folder_ / "results", truth}), fails("is no time stamp"));
 }
 
 TEST_F(Tools, AFileThatIsNoMapIsNotReplaced) {

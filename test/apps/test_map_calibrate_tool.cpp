@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
-#include "tools/localize_app.h"
-#include "tools/map_apps.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/map_database.h>
@@ -84,9 +82,9 @@ TEST_F(Tools, LocalizeIsAsSureAsTheMapWasCalibrated) {
   const std::string copy = folder_ / "copy.flmap", results = folder_ / "results";
   fs::copy_file(map(), copy);
   MapDatabase::open(copy).setMeta(kSureKey, toText(strict()));
-  ok(runTool<LocalizeApp>({copy, query(), "-o", results}));
+  ok(runTool<localizeApp>({copy, query(), "-o", results}));
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min-probability = 1\n"));
-  const auto by_user = runTool<LocalizeApp>({copy, query(), "-o", results, "--min-probability", "0.9"});
+  const auto by_user = runTool<localizeApp>({copy, query(), "-o", results, "--min-probability", "0.9"});
   EXPECT_THAT(by_user.out, Not(HasSubstr(" 0 sure")));
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min-probability = 0.9\n"));
 }

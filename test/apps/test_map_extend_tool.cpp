@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
-#include "tools/map_apps.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/trajectory.h>
@@ -12,7 +10,7 @@ namespace {
 
 /** A room that is not in the map. */
 std::string otherRoom(const std::string& folder) {
-  ok(runTool<SimulateApp>({"room", "-o", folder, "--seed", "9", "--frames", "12", "--width", "320"}));
+  ok(runTool<simulateApp>({"room", "-o", folder, "--seed", "9", "--frames", "12", "--width", "320"}));
   return folder + "/query";
 }
 

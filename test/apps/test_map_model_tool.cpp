@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
-#include "tools/map_apps.h"
 
 #include <facetloc/io/map_database.h>
 

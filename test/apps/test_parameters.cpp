@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "inputs/localization_options.h"
 #include "tool_runner.h"
-#include "tools/localize_app.h"
 
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/testing/places.h>
@@ -30,7 +29,7 @@ TEST(Calibration, OutOfItsRangeIsRefused) {
 }
 
 TEST(Calibration, IsReadFromAFileOfParametersAndNotOffered) {
-  const std::string help = runTool<LocalizeApp>({"--help-all"}).out;
+  const std::string help = runTool<localizeApp>({"--help-all"}).out;
   EXPECT_THAT(help, Not(HasSubstr("--calibration")));
   const auto users = help.find("For users:"), experts = help.find("--ekf.iterations");
   ASSERT_NE(users, std::string::npos);

@@ -2,7 +2,6 @@
 #include "example_room.h"
 #include "live_tool.h"
 #include "outputs/pose_stream.h"
-#include "tools/localize_app.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/testing/places.h>
@@ -160,7 +159,7 @@ TEST_F(StreamOfImages, LocalizeWritesEachImageAndNothingElse) {
   for (const std::vector<std::string>& options :
        {std::vector<std::string>{}, {"--sequence"}, {"--sequence", "--smooth"}}) {
     const ToolRun run =
-        ok(runTool<LocalizeApp>(Arguments{map(), query(), "-o", folder_ / "results", "--stream"} + options));
+        ok(runTool<localizeApp>(Arguments{map(), query(), "-o", folder_ / "results", "--stream"} + options));
     EXPECT_THAT(run.err, HasSubstr("results in"));
     const auto lines = linesIn(run.out);
     ASSERT_EQ(lines.size(), static_cast<std::size_t>(kFrames));
@@ -184,10 +183,10 @@ TEST_F(StreamOfImages, LocalizeWritesEachImageAndNothingElse) {
 
 TEST_F(StreamOfImages, AnswersOfAnEarlierRunAreAlsoStreamed) {
   const std::vector<std::string> arguments = {map(), query(), "-o", folder_ / "results", "--stream"};
-  const ToolRun once = runTool<LocalizeApp>(arguments);
+  const ToolRun once = runTool<localizeApp>(arguments);
   std::vector<std::string> again = arguments;
   again.emplace_back("--resume");
-  const auto first = linesIn(once.out), second = linesIn(runTool<LocalizeApp>(again).out);
+  const auto first = linesIn(once.out), second = linesIn(runTool<localizeApp>(again).out);
   ASSERT_EQ(second.size(), first.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     const Json::Value a = parsed(first[i]), b = parsed(second[i]);
@@ -200,7 +199,7 @@ TEST_F(StreamOfImages, AnswersOfAnEarlierRunAreAlsoStreamed) {
 
 TEST_F(StreamOfImages, AnImageThatCannotBeReadHasALine) {
   const ToolRun run =
-      runTool<LocalizeApp>({map(), withOneCorruptImage(), "-o", folder_ / "results", "--stream"});
+      runTool<localizeApp>({map(), withOneCorruptImage(), "-o", folder_ / "results", "--stream"});
   EXPECT_EQ(run.code, kFailed);
   const auto lines = linesIn(run.out);
   ASSERT_EQ(lines.size(), static_cast<std::size_t>(kFrames));

@@ -3,10 +3,6 @@
 #include "../io/sql.h"
 #include "batch/ranks.h"
 #include "process.h"
-#include "tools/localize_app.h"
-#include "tools/map_apps.h"
-#include "tools/segment_app.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
@@ -100,12 +96,12 @@ protected:
   static void SetUpTestSuite() {
     if (!available()) return;
     room_ = std::make_unique<TemporaryFolder>();
-    ToolRun run = runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames",
+    ToolRun run = runTool<simulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames",
                                         std::to_string(kFrames), "--width", "320", "--drive.turn_deg", "8"});
     ASSERT_EQ(run.code, kOk) << run.err;
-    run = runTool<MapBuildApp>({mapRun(), "-o", map(), "--map.distance", "0.1"});
+    run = runTool<mapBuildApp>({mapRun(), "-o", map(), "--map.distance", "0.1"});
     ASSERT_EQ(run.code, kOk) << run.err;
-    run = runTool<LocalizeApp>({map(), query(), "-o", results()});
+    run = runTool<localizeApp>({map(), query(), "-o", results()});
     ASSERT_EQ(run.code, kOk) << run.err;
   }
   static void TearDownTestSuite() { room_.reset(); }
@@ -139,7 +135,7 @@ std::unique_ptr<TemporaryFolder> RanksTest::room_;
 class NumberOfRanks : public RanksTest {};
 
 TEST_P(NumberOfRanks, SegmentsAreTheSame) {
-  ok(runTool<SegmentApp>({query(), "-o", folder_ / "one", "--labels", "--overlay"}));
+  ok(runTool<segmentApp>({query(), "-o", folder_ / "one", "--labels", "--overlay"}));
   const ToolRun run =
       ok(runRanks(GetParam(), {kSegmentTool, query(), "-o", folder_ / "several", "--labels", "--overlay"}));
   expectSameFiles(folder_ / "several", folder_ / "one");
@@ -194,7 +190,7 @@ TEST_P(NumberOfRanks, ABadImageIsReportedOnceAndDoneLater) {
   const std::string bad = folder_ / filesOf(query() + "/depth")[6].filename().string();
   writeContent(bad, "no PNG at all");
   const std::string input = listWith(6, bad);
-  ASSERT_EQ(runTool<LocalizeApp>({map(), input, "-o", folder_ / "one"}).code, kFailed);
+  ASSERT_EQ(runTool<localizeApp>({map(), input, "-o", folder_ / "one"}).code, kFailed);
   EXPECT_THAT(runRanks(GetParam(), {kLocalizeTool, map(), input, "-o", folder_ / "several"}),
               fails(bad, "1 of 13 items failed"));
   for (const char* file : {"/hypotheses.csv", "/poses_tum.txt"})
@@ -241,7 +237,7 @@ TEST_F(RanksTest, ARankThatIsKilledEndsTheJobAndLosesNothingThatWasWritten) {
   fs::remove(pipe);
   fs::copy_file(images[7], pipe);
   fs::copy(results, folder_ / "alone");
-  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "alone", "--resume"}));
+  ok(runTool<localizeApp>({map(), input, "-o", folder_ / "alone", "--resume"}));
   ok(runRanks(3, {kLocalizeTool, map(), input, "-o", results, "--resume"}));
   expectSameFiles(folder_ / "alone", RanksTest::results());
   expectSameFiles(results, RanksTest::results());

@@ -2,7 +2,6 @@
 //
 // The library examples of the documents, as they stand there, beside the tools.
 #include "example_room.h"
-#include "tools/localize_app.h"
 
 #include <facetloc/features/segment_frame_estimation.h>
 #include <facetloc/io/depth_sequence.h>
@@ -101,7 +100,7 @@ protected:
     CameraFile file = readCameraFile(folder_ / "walk/query/camera.ini");
     change(file.camera);
     writeCameraFile(folder_ / "walk/query/camera.ini", file);
-    ok(runTool<LocalizeApp>({folder_ / "walk.flmap", folder_ / "walk/query", "-o", folder_ / "results"}));
+    ok(runTool<localizeApp>({folder_ / "walk.flmap", folder_ / "walk/query", "-o", folder_ / "results"}));
     const std::string by_example = printedIn(folder_ / ".", exampleOfReadme),
                       by_tool = printed(readHypotheses(folder_ / "results"));
     EXPECT_EQ(by_example, by_tool);

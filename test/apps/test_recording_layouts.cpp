@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A stranger's way: a recording in the layout it came in is mapped, localized, judged and drawn.
 
-#include "evaluation/evaluate_app.h"
 #include "example_room.h"
-#include "tools/convert_app.h"
-#include "tools/localize_app.h"
-#include "tools/render_app.h"
-#include "tools/segment_app.h"
 
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
@@ -33,15 +28,15 @@ protected:
     const std::string map = folder_ / "layout.flmap", results = folder_ / "results";
     EXPECT_THAT(ok(runMap({"build", mapped, "-o", map, "--map.distance", "0.1"})).err,
                 Not(HasSubstr("no poses are given")));
-    ok(runTool<LocalizeApp>({map, localized, "-o", results}));
-    EXPECT_THAT(ok(runTool<EvaluateApp>({results, localized, "--map", map})).out, HasSubstr("12 (100.00 %)"));
+    ok(runTool<localizeApp>({map, localized, "-o", results}));
+    EXPECT_THAT(ok(runTool<evaluateApp>({results, localized, "--map", map})).out, HasSubstr("12 (100.00 %)"));
     const Trajectory truth = DepthSequence::readTruth(localized);
     const Trajectory found = readTumTrajectory(results + "/poses_tum.txt");
     EXPECT_GE(found.poses().size(), 10u);
     for (const StampedPose& pose : found.poses())
       EXPECT_LT((pose.T_w_c.translation() - truth.at(pose.stamp)->translation()).norm(), 0.1);
     const std::string first = DepthSequence::open(localized).frames().front().name;
-    ok(runTool<RenderApp>({localized, "-o", folder_ / "picture.png", "--map", map, "--frame", first}));
+    ok(runTool<renderApp>({localized, "-o", folder_ / "picture.png", "--map", map, "--frame", first}));
     EXPECT_TRUE(fs::exists(folder_ / "picture.png"));
   }
 
@@ -113,7 +108,7 @@ protected:
   std::string localizedIn(const std::string& mapped, const std::string& localized) {
     const std::string map = folder_ / "layout.flmap", results = folder_ / "results";
     ok(runMap({"build", mapped, "-o", map, "--overwrite", "--map.distance", "0.1"}));
-    ok(runTool<LocalizeApp>({map, localized, "-o", results}));
+    ok(runTool<localizeApp>({map, localized, "-o", results}));
     return contentOf(results + "/hypotheses.csv");
   }
 
@@ -228,7 +223,7 @@ TEST_F(Layouts, DistancesThroughALens) {
 
 TEST_F(Layouts, DepthAlignedToAFinerImageShowsItsPlanesAtAnyWidth) {
   const auto segmentsOf = [&](const std::string& input, const std::string& width) {
-    const ToolRun run = ok(runTool<SegmentApp>({input, "-o", folder_ / ("s" + width), "--width", width}));
+    const ToolRun run = ok(runTool<segmentApp>({input, "-o", folder_ / ("s" + width), "--width", width}));
     const auto at = run.out.find(" with ");
     return std::stoi(run.out.substr(at + 6));
   };
@@ -268,7 +263,7 @@ TEST_F(Layouts, PosesInAnotherConventionAreReadAsTheirCheckSays) {
 
 TEST_F(Layouts, ResultsSayWhichFileAFrameIsFrom) {
   const std::string input = numbered(query(), "a", 3), out = folder_ / "s";
-  ok(runTool<SegmentApp>({input, "-o", out}));
+  ok(runTool<segmentApp>({input, "-o", out}));
   EXPECT_THAT(contentOf(out + "/inputs.csv"), HasAll("frame,file\n", "a/depth/000001.png"));
 }
 
@@ -286,7 +281,7 @@ TEST_F(Layouts, RecordingsOfTodayGiveTheBytesOfTheirImages) {
   if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
   const auto inMillimetres = [this](const std::string& source, const char* name) {
     std::string folder = folder_ / name;
-    ok(runTool<ConvertApp>({source, "-o", folder, "--scale", "1000"}));
+    ok(runTool<convertApp>({source, "-o", folder, "--scale", "1000"}));
     return folder;
   };
   const std::string mapped = inMillimetres(map_run(), "map"), later = inMillimetres(query(), "query");
@@ -312,9 +307,9 @@ TEST_F(Layouts, TheImuOfARecordingIsTakenForGravity) {
   const std::string walk = recorded(query(), "a", "mcap imu=camera_imu_optical_frame"),
                     map = folder_ / "a.flmap";
   ok(runMap({"build", map_run(), "-o", map, "--map.distance", "0.1"}));
-  EXPECT_THAT(ok(runTool<LocalizeApp>({map, walk, "-o", folder_ / "used"})).err,
+  EXPECT_THAT(ok(runTool<localizeApp>({map, walk, "-o", folder_ / "used"})).err,
               HasSubstr("gravity is by the accelerometer of /imu"));
-  EXPECT_THAT(ok(runTool<LocalizeApp>({map, walk, "-o", folder_ / "ignored", "--gravity", "none"})).err,
+  EXPECT_THAT(ok(runTool<localizeApp>({map, walk, "-o", folder_ / "ignored", "--gravity", "none"})).err,
               Not(HasSubstr("accelerometer")));
 }
 
@@ -340,23 +335,23 @@ TEST_F(Layouts, AnOniRecordingWithoutPosesIsMappedAndFoundAgain) {
                     results = folder_ / "results";
   EXPECT_THAT(ok(runMap({"build", walk, "-o", map, "--trajectory", found})).err,
               HasSubstr("no poses are given"));
-  ok(runTool<LocalizeApp>({map, walk, "-o", results}));
-  EXPECT_THAT(ok(runTool<EvaluateApp>({results, found, "--map", map})).out, HasSubstr("60 (100.00 %)"));
+  ok(runTool<localizeApp>({map, walk, "-o", results}));
+  EXPECT_THAT(ok(runTool<evaluateApp>({results, found, "--map", map})).out, HasSubstr("60 (100.00 %)"));
 }
 
 TEST_F(Layouts, ACameraThatIsNamedStandsForItsFile) {
   const std::string input = folder_ / "input";
   fs::create_directories(input);
   fs::copy(fs::path(query()) / "depth", input + "/depth");
-  EXPECT_THAT(runTool<SegmentApp>({input, "-o", folder_ / "a"}), fails("camera=kinect"));
+  EXPECT_THAT(runTool<segmentApp>({input, "-o", folder_ / "a"}), fails("camera=kinect"));
   EXPECT_THAT(
-      ok(runTool<SegmentApp>({input, "-o", folder_ / "b", "--camera", "kinect", "--depth-scale", "5000"}))
+      ok(runTool<segmentApp>({input, "-o", folder_ / "b", "--camera", "kinect", "--depth-scale", "5000"}))
           .err,
       HasSubstr("typical kinect"));
   const std::string file = query() + "/camera.ini";
-  ok(runTool<SegmentApp>({input, "-o", folder_ / "c", "--camera", file}));
-  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "d", "--camera", "webcam"}).code, kFailed);
-  EXPECT_EQ(runTool<SegmentApp>({input, "-o", folder_ / "d", "--depth-scale", "-1"}).code, kUsage);
+  ok(runTool<segmentApp>({input, "-o", folder_ / "c", "--camera", file}));
+  EXPECT_EQ(runTool<segmentApp>({input, "-o", folder_ / "d", "--camera", "webcam"}).code, kFailed);
+  EXPECT_EQ(runTool<segmentApp>({input, "-o", folder_ / "d", "--depth-scale", "-1"}).code, kUsage);
 }
 
 TEST_F(Layouts, ATimeOffsetBringsImagesAndPosesTogether) {

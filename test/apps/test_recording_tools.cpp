@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // facetloc_check and facetloc_convert on one recording in several states.
 #include "example_room.h"
-#include "tools/check_app.h"
-#include "tools/convert_app.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/png.h>
@@ -24,12 +21,12 @@ protected:
   }
   static ToolRun check(const std::string& input, std::vector<std::string> options = {}) {
     options.insert(options.begin(), input);
-    return runTool<CheckApp>(options);
+    return runTool<checkApp>(options);
   }
   ToolRun convert(const std::string& input, const std::string& output,
                   std::vector<std::string> options = {}) const {
     options.insert(options.begin(), {input, "-o", folder_ / output});
-    return runTool<ConvertApp>(options);
+    return runTool<convertApp>(options);
   }
 };
 
@@ -48,7 +45,7 @@ TEST_F(RecordingTools, CheckTakesThePosesItIsGiven) {
 }
 
 TEST_F(RecordingTools, CheckFindsTheMountingByTheFloor) {
-  ok(runTool<SimulateApp>(
+  ok(runTool<simulateApp>(
       {"office", "-o", folder_ / "", "--seed", "2", "--runs", "query", "--frames", "60", "--width", "320"}));
   const std::string input = folder_ / "query";
   CameraFile file = readCameraFile(input + "/camera.ini");
@@ -196,7 +193,7 @@ TEST_F(RecordingTools, ConvertWritesThePosesAndGravityOfRos2Messages) {
 TEST_F(RecordingTools, ConvertOfAnInvalidRecordingLeavesNothing) {
   EXPECT_EQ(convert(folder_ / "none", "out").code, kFailed);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
-  EXPECT_EQ(runTool<ConvertApp>({map_run()}).code, kUsage);
+  EXPECT_EQ(runTool<convertApp>({map_run()}).code, kUsage);
 }
 
 }  // namespace

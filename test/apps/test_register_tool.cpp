@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
-#include "tools/register_app.h"
-#include "tools/segment_app.h"
 
 #include <facetloc/io/results.h>
 #include <facetloc/io/segment_file.h>
@@ -15,20 +13,20 @@ namespace {
 
 TEST_F(Tools, RegisterFindsAnImageInItself) {
   const auto images = filesOf(map_run() + "/depth");
-  EXPECT_THAT(ok(runTool<RegisterApp>({images[0].string(), images[1].string(), "-o", folder_ / "out"})).out,
+  EXPECT_THAT(ok(runTool<registerApp>({images[0].string(), images[1].string(), "-o", folder_ / "out"})).out,
               HasSubstr(folder_ / "out"));
   const auto rows = readHypotheses(folder_ / "out");
   ASSERT_FALSE(rows.empty());
   EXPECT_EQ(rows[0].frame, images[0].stem().string());
   EXPECT_EQ(rows[0].rank > 0 ? rows[0].model : images[1].stem().string(), images[1].stem().string());
-  EXPECT_EQ(runTool<RegisterApp>({images[0].string(), map_run()}).code, kUsage);
-  EXPECT_EQ(runTool<RegisterApp>({images[0].string(), folder_ / "nowhere.png"}).code, kFailed);
+  EXPECT_EQ(runTool<registerApp>({images[0].string(), map_run()}).code, kUsage);
+  EXPECT_EQ(runTool<registerApp>({images[0].string(), folder_ / "nowhere.png"}).code, kFailed);
 }
 
 TEST_F(Tools, RegisterTakesSegmentsAndMovesTheSource) {
   const auto images = filesOf(map_run() + "/depth");
   const std::string source = images[1].string(), target = images[0].string(), found = folder_ / "found";
-  ok(runTool<SegmentApp>({source, target, "-o", found}));
+  ok(runTool<segmentApp>({source, target, "-o", found}));
   const auto segmentsOf = [&](const std::string& image) {
     return found + "/" + std::filesystem::path(image).stem().string() + ".segments.pcd";
   };
@@ -36,7 +34,7 @@ TEST_F(Tools, RegisterTakesSegmentsAndMovesTheSource) {
   for (const std::string& of_source : {source, segmentsOf(source)})
     for (const std::string& of_target : {target, segmentsOf(target)}) {
       clouds.push_back(folder_ / (std::to_string(clouds.size()) + ".pcd"));
-      EXPECT_THAT(ok(runTool<RegisterApp>({of_source, of_target, "--aligned", clouds.back()})).out,
+      EXPECT_THAT(ok(runTool<registerApp>({of_source, of_target, "--aligned", clouds.back()})).out,
                   HasSubstr("aligned source in " + clouds.back()));
     }
   // The points of the image and its segments are moved to the same place.
@@ -49,9 +47,9 @@ TEST_F(Tools, RegisterTakesSegmentsAndMovesTheSource) {
     near += std::abs(moved[0].normal().dot(p.getVector3fMap().cast<double>() - moved[0].t)) < 0.03;
   EXPECT_GT(near, static_cast<std::size_t>(moved[0].num_points) / 2);
 
-  EXPECT_THAT(runTool<RegisterApp>({segmentsOf(source), target, "--aligned", segmentsOf(source)}),
+  EXPECT_THAT(runTool<registerApp>({segmentsOf(source), target, "--aligned", segmentsOf(source)}),
               refuses("would replace"));
-  EXPECT_EQ(runTool<RegisterApp>({source, target, "--aligned", folder_ / "a.txt"}).code, kUsage);
+  EXPECT_EQ(runTool<registerApp>({source, target, "--aligned", folder_ / "a.txt"}).code, kUsage);
 }
 
 }  // namespace

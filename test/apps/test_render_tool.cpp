@@ -2,9 +2,6 @@
 #include "drawing/offscreen_display.h"
 #include "drawing/page_files.h"
 #include "example_room.h"
-#include "tools/localize_app.h"
-#include "tools/render_app.h"
-#include "tools/segment_app.h"
 
 namespace facetloc::test {
 namespace {
@@ -13,7 +10,7 @@ TEST_F(Tools, RenderDrawsEachKindOfInput) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   const auto draws = [&](std::vector<std::string> arguments, const std::string& output) {
     arguments.insert(arguments.end(), {"-o", output});
-    const ToolRun run = ok(runTool<RenderApp>(arguments));
+    const ToolRun run = ok(runTool<renderApp>(arguments));
     EXPECT_THAT(lastLine(run.out), HasSubstr(output));
     return fs::exists(output);
   };
@@ -28,7 +25,7 @@ TEST_F(Tools, RenderDrawsEachKindOfInput) {
   EXPECT_TRUE(draws({query()}, folder_ / "all"));
   EXPECT_EQ(filesOf(folder_ / "all").size(), static_cast<std::size_t>(kFrames));
 
-  ok(runTool<LocalizeApp>({map(), query(), "-o", folder_ / "results"}));
+  ok(runTool<localizeApp>({map(), query(), "-o", folder_ / "results"}));
   const std::vector<std::string> failures = {folder_ / "results",
                                              "--map",
                                              map(),
@@ -44,11 +41,11 @@ TEST_F(Tools, RenderDrawsEachKindOfInput) {
 
 TEST_F(Tools, RenderDrawsFilesOfSegments) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
-  ok(runTool<SegmentApp>({firstImage(), "-o", folder_ / "found"}));
+  ok(runTool<segmentApp>({firstImage(), "-o", folder_ / "found"}));
   const std::string segments =
       folder_ / ("found/" + fs::path(firstImage()).stem().string() + ".segments.pcd");
   for (const std::vector<std::string>& with : {std::vector<std::string>{}, {"--map", map()}}) {
-    ok(runTool<RenderApp>(Arguments{segments, "-o", folder_ / "picture.png"} + with));
+    ok(runTool<renderApp>(Arguments{segments, "-o", folder_ / "picture.png"} + with));
     EXPECT_TRUE(fs::remove(folder_ / "picture.png"));
   }
 }
@@ -56,25 +53,25 @@ TEST_F(Tools, RenderDrawsFilesOfSegments) {
 TEST_F(Tools, RenderDrawsABeliefAsItNarrows) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   const std::string results = folder_ / "results", picture = folder_ / "strip.png";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}));
-  EXPECT_THAT(ok(runTool<RenderApp>({results, "--map", map(), "--sequence", query(), "-o", picture})).out,
+  ok(runTool<localizeApp>({map(), query(), "-o", results, "--sequence"}));
+  EXPECT_THAT(ok(runTool<renderApp>({results, "--map", map(), "--sequence", query(), "-o", picture})).out,
               HasSubstr("of " + std::to_string(kFrames) + " images"));
   EXPECT_TRUE(fs::exists(picture));
-  EXPECT_EQ(runTool<RenderApp>({results, "-o", picture}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({results, "-o", picture}).code, kUsage);
 }
 
 TEST_F(Tools, RenderWritesPagesForBrowsers) {
   const std::string results = folder_ / "results", page = folder_ / "page.html";
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results, "--sequence"}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results, "--sequence"}));
   const auto written = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"-o", page});
-    ok(runTool<RenderApp>(arguments));
+    ok(runTool<renderApp>(arguments));
     return contentOf(page);
   };
   try {
     pageFile("three.js");
   } catch (const std::runtime_error& e) {
-    EXPECT_THAT(runTool<RenderApp>({map(), "-o", page}).err, HasSubstr("libjs-three"));
+    EXPECT_THAT(runTool<renderApp>({map(), "-o", page}).err, HasSubstr("libjs-three"));
     GTEST_SKIP() << e.what();
   }
   EXPECT_THAT(written({map(), "--trajectory", query()}), HasSubstr("\"name\":\"trajectory\""));
@@ -84,33 +81,33 @@ TEST_F(Tools, RenderWritesPagesForBrowsers) {
   EXPECT_THAT(whole, HasAll("\"truth\":", "\"matches\":"));
   EXPECT_LT(whole.size(), std::size_t{3} << 20);
   EXPECT_EQ(whole, written({results, "--map", map(), "--sequence", query()})) << "the same bytes";
-  EXPECT_EQ(runTool<RenderApp>({results, "-o", page}).code, kUsage);
-  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", page}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({results, "-o", page}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({firstImage(), "-o", page}).code, kUsage);
 }
 
 TEST_F(Tools, RenderNamesMissingInputs) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
-  EXPECT_EQ(runTool<RenderApp>({firstImage()}).code, kUsage);
-  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", firstImage()}).code, kUsage);
-  EXPECT_EQ(runTool<RenderApp>({map(), "-o", map()}).code, kUsage);
-  EXPECT_EQ(runTool<RenderApp>({query(), "-o", query() + "/depth"}).code, kUsage);
-  EXPECT_EQ(runTool<RenderApp>({query(), "-o", folder_ / "several.png"}).code, kUsage);
-  EXPECT_EQ(runTool<RenderApp>({firstImage(), "-o", folder_ / "image.jpg"}).code, kUsage);
-  EXPECT_EQ(runTool<RenderApp>({query(), "--frame", "nowhere", "-o", folder_ / "x.png"}).code, kUsage);
-  EXPECT_THAT(runTool<RenderApp>({folder_ / "nowhere.png", "-o", folder_ / "x.png"}),
+  EXPECT_EQ(runTool<renderApp>({firstImage()}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({firstImage(), "-o", firstImage()}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({map(), "-o", map()}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({query(), "-o", query() + "/depth"}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({query(), "-o", folder_ / "several.png"}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({firstImage(), "-o", folder_ / "image.jpg"}).code, kUsage);
+  EXPECT_EQ(runTool<renderApp>({query(), "--frame", "nowhere", "-o", folder_ / "x.png"}).code, kUsage);
+  EXPECT_THAT(runTool<renderApp>({folder_ / "nowhere.png", "-o", folder_ / "x.png"}),
               fails("nowhere.png: does not exist"));
-  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", folder_ / "results"}));
-  EXPECT_EQ(runTool<RenderApp>({folder_ / "results", "-o", folder_ / "x"}).code, kUsage);
+  ok(runTool<localizeApp>({map(), firstImage(), "-o", folder_ / "results"}));
+  EXPECT_EQ(runTool<renderApp>({folder_ / "results", "-o", folder_ / "x"}).code, kUsage);
 }
 
 TEST_F(Tools, RenderOverwritesNothingButPictures) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
   const std::string input = folder_.copyOf(query(), "input"), results = folder_ / "results";
   fs::copy_file(map(), folder_ / "m.flmap");
-  ok(runTool<LocalizeApp>({map(), query(), "-o", results}));
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
   const auto images = filesOf(input + "/depth");
   const auto refused = [](const std::vector<std::string>& arguments) {
-    return runTool<RenderApp>(arguments).code == kUsage;
+    return runTool<renderApp>(arguments).code == kUsage;
   };
   for (const std::string& output :
        {images[1].string(), folder_ / "m.flmap", filesOf(input + "/labels")[0].string()})

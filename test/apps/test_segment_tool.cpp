@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
-#include "tools/localize_app.h"
-#include "tools/segment_app.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/io/depth_sequence.h>
@@ -22,7 +19,7 @@ namespace facetloc::test {
 namespace {
 
 TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
-  ok(runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--labels", "--overlay"}));
+  ok(runTool<segmentApp>({firstImage(), "-o", folder_ / "out", "--labels", "--overlay"}));
   const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
   pcl::PointCloud<SegmentFrame> cloud;
   ASSERT_EQ(pcl::PCDReader().read(base + ".segments.pcd", cloud), 0);
@@ -34,7 +31,7 @@ TEST_F(Tools, SegmentWritesSegmentsLabelsAndOverlays) {
 
 TEST_F(Tools, SegmentWritesCloudsAndPolygons) {
   const std::vector<std::string> arguments = {firstImage(), "-o", folder_ / "out", "--pcd", "--ply"};
-  ok(runTool<SegmentApp>(arguments));
+  ok(runTool<segmentApp>(arguments));
   const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
   const std::vector<Segment> segments = readSegments(base + ".segments.pcd");
   pcl::PointCloud<pcl::PointXYZL> cloud;
@@ -58,15 +55,15 @@ TEST_F(Tools, SegmentWritesCloudsAndPolygons) {
   fs::remove(base + ".ply");
   std::vector<std::string> again = arguments;
   again.emplace_back("--resume");
-  ok(runTool<SegmentApp>(again));
+  ok(runTool<segmentApp>(again));
   EXPECT_TRUE(fs::exists(base + ".ply"));
 }
 
 TEST_F(Tools, FilesOfSegmentsAreLocalized) {
-  ok(runTool<SegmentApp>({query(), "-o", folder_ / "found"}));
+  ok(runTool<segmentApp>({query(), "-o", folder_ / "found"}));
   for (const std::vector<std::string>& how : {std::vector<std::string>{}, {"--sequence"}}) {
     EXPECT_THAT(
-        ok(runTool<LocalizeApp>(Arguments{map(), folder_ / "found", "-o", folder_ / "results"} + how)).err,
+        ok(runTool<localizeApp>(Arguments{map(), folder_ / "found", "-o", folder_ / "results"} + how)).err,
         HasSubstr("without depth"));
     const Trajectory truth = DepthSequence::readTruth(query());
     std::size_t right = 0;
@@ -82,7 +79,7 @@ TEST_F(Tools, FilesOfSegmentsAreLocalized) {
 TEST_F(Tools, SegmentSplitsInEitherWay) {
   std::vector<std::string> labels;
   for (const std::string method : {"quadtree", "delaunay"}) {
-    ok(runTool<SegmentApp>({firstImage(), "-o", folder_ / method, "--labels", "--split", method}));
+    ok(runTool<segmentApp>({firstImage(), "-o", folder_ / method, "--labels", "--split", method}));
     EXPECT_THAT(contentOf(folder_ / (method + "/params.ini")),
                 HasSubstr("[split]\nmethod = " + method + "\n"));
     labels.push_back(contentOf(folder_ / (method + "/" + fs::path(firstImage()).stem().string() + ".png")));
@@ -92,38 +89,38 @@ TEST_F(Tools, SegmentSplitsInEitherWay) {
 }
 
 TEST_F(Tools, SegmentRefusesAnUnknownSplit) {
-  EXPECT_THAT(runTool<SegmentApp>({firstImage(), "-o", folder_ / "out", "--split", "octree"}),
+  EXPECT_THAT(runTool<segmentApp>({firstImage(), "-o", folder_ / "out", "--split", "octree"}),
               refuses("split.method: 'octree' is none of: quadtree, delaunay"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
 TEST_F(Tools, SegmentMeasuresNoise) {
   const std::string folder = folder_ / "azure";
-  ok(runTool<SimulateApp>({"room", "--camera", "azure_kinect", "--frames", "6", "-o", folder}));
-  const ToolRun run = ok(runTool<SegmentApp>({"--noise", folder + "/map", folder + "/query"}));
+  ok(runTool<simulateApp>({"room", "--camera", "azure_kinect", "--frames", "6", "-o", folder}));
+  const ToolRun run = ok(runTool<segmentApp>({"--noise", folder + "/map", folder + "/query"}));
   for (const char* words :
        {"depth [m]", "std of depth [mm]", "correlated over [px]", "Correlated over", "inverse_depth_std = "})
     EXPECT_THAT(run.out, HasSubstr(words));
 }
 
 TEST_F(Tools, SegmentMeasuresNoNoiseWhereNothingIsFlat) {
-  ok(runTool<SimulateApp>(
+  ok(runTool<simulateApp>(
       {"room", "--sensor.random_dropout", "0.9", "--frames", "1", "--width", "80", "-o", folder_ / "holes"}));
-  EXPECT_THAT(runTool<SegmentApp>({"--noise", folder_ / "holes/map"}), fails("too few flat places"));
+  EXPECT_THAT(runTool<segmentApp>({"--noise", folder_ / "holes/map"}), fails("too few flat places"));
 }
 
 TEST_F(Tools, SegmentWritesNothingWhereItMeasuresNoise) {
   for (const char* option : {"--labels", "--overlay", "--resume"}) {
-    const ToolRun run = runTool<SegmentApp>({"--noise", query(), option});
+    const ToolRun run = runTool<segmentApp>({"--noise", query(), option});
     EXPECT_EQ(run.code, kUsage) << option;
     EXPECT_THAT(run.err, HasSubstr(std::string("leave out ") + option));
   }
-  EXPECT_EQ(runTool<SegmentApp>({"--noise", query(), "-o", folder_ / "x"}).code, kUsage);
+  EXPECT_EQ(runTool<segmentApp>({"--noise", query(), "-o", folder_ / "x"}).code, kUsage);
 }
 
 TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const std::string input = withOneCorruptImage();
-  EXPECT_THAT(runTool<SegmentApp>({input, "-o", folder_ / "out"}), fails("1 of 12 items failed"));
+  EXPECT_THAT(runTool<segmentApp>({input, "-o", folder_ / "out"}), fails("1 of 12 items failed"));
   EXPECT_EQ(filesOf(folder_ / "out").size(), 14u);  // and params.ini, images.txt and inputs.csv
 
   // Existing results are not touched, missing ones are made.
@@ -131,7 +128,7 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
   const auto old = fs::file_time_type::clock::now() - std::chrono::hours(24);
   fs::last_write_time(first, old);
   fs::copy(query() + "/depth", input + "/depth", kReplace);
-  EXPECT_THAT(ok(runTool<SegmentApp>({input, "-o", folder_ / "out", "--resume"})).out,
+  EXPECT_THAT(ok(runTool<segmentApp>({input, "-o", folder_ / "out", "--resume"})).out,
               HasAll("1 image with", "11 were done before"));
   EXPECT_EQ(filesOf(folder_ / "out").size(), 15u);
   EXPECT_EQ(fs::last_write_time(first), old);
@@ -140,14 +137,14 @@ TEST_F(Tools, SegmentReportsABadImageAndDoesTheOthers) {
 TEST_F(Tools, SegmentResumesNothingOfOtherInputs) {
   const std::string input = folder_.copyOf(query(), "input"), out = folder_ / "out";
   const auto resume = [&](const std::string& width) {
-    return runTool<SegmentApp>({input, "-o", out, "--width", width, "--resume"});
+    return runTool<segmentApp>({input, "-o", out, "--width", width, "--resume"});
   };
   ok(resume("160"));
   EXPECT_THAT(resume("160").out, HasSubstr("12 were done before"));
   EXPECT_THAT(resume("320").err, HasSubstr("other parameters"));
   giveOtherImages(input);
   EXPECT_THAT(resume("160").err, HasSubstr("other images"));
-  ok(runTool<SegmentApp>({input, "-o", out}));
+  ok(runTool<segmentApp>({input, "-o", out}));
   EXPECT_THAT(resume("320").out, HasSubstr("12 were done before"));
 }
 
@@ -155,18 +152,18 @@ TEST_F(Tools, SegmentLeavesNothingThatIsOfAnotherRun) {
   const std::string input = folder_.copyOf(query(), "input"), out = folder_ / "out";
   const fs::path gone = filesOf(input + "/depth").front();
   const fs::path labels = fs::path(out) / gone.filename();  // as large as the image was taken to be
-  ok(runTool<SegmentApp>({input, "-o", out, "--labels", "--overlay", "--width", "160"}));
+  ok(runTool<segmentApp>({input, "-o", out, "--labels", "--overlay", "--width", "160"}));
   EXPECT_EQ(filesOf(out).size(), 3u * kFrames + 3);
   EXPECT_EQ(readGreyPng(labels, 16).width, 160);
 
-  ok(runTool<SegmentApp>({input, "-o", out}));
+  ok(runTool<segmentApp>({input, "-o", out}));
   EXPECT_EQ(filesOf(out).size(), 1u * kFrames + 3) << "labels of width 160";
-  EXPECT_THAT(ok(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"})).out,
+  EXPECT_THAT(ok(runTool<segmentApp>({input, "-o", out, "--labels", "--resume"})).out,
               Not(HasSubstr("done before")));
   EXPECT_EQ(readGreyPng(labels, 16).width, 320);
 
   fs::remove(gone);
-  ok(runTool<SegmentApp>({input, "-o", out, "--labels", "--resume"}));
+  ok(runTool<segmentApp>({input, "-o", out, "--labels", "--resume"}));
   EXPECT_EQ(filesOf(out).size(), 2u * (kFrames - 1) + 3);
   EXPECT_FALSE(fs::exists(labels));
 }
@@ -175,10 +172,8 @@ TEST_F(Tools, SegmentsOfAnEmptyImageAreAValidFile) {
   const std::string input = folder_ / "input";
   fs::create_directories(input);
   fs::copy_file(query() + "/camera.ini", input + "/camera.ini");
-  const Intrinsics camera = scaledKinect(320);
-  writePng(input + "/0.png",
-           Raster<std::uint16_t>{320, camera.height, 1, std::vector<std::uint16_t>(320 * 240, 0)});
-  EXPECT_THAT(ok(runTool<SegmentApp>({input, "-o", folder_ / "out", "--labels", "--overlay"})).err,
+  writePng(input + "/0.png", Raster<std::uint16_t>{320, 240, 1, std::vector<std::uint16_t>(320 * 240, 0)});
+  EXPECT_THAT(ok(runTool<segmentApp>({input, "-o", folder_ / "out", "--labels", "--overlay"})).err,
               IsEmpty());
   pcl::PointCloud<SegmentFrame> cloud;
   cloud.resize(3);
@@ -192,10 +187,10 @@ TEST_F(Tools, SegmentDistinguishesImagesOfTheSameName) {
     fs::copy_file(query() + "/camera.ini", folder_ / run + "/camera.ini");
     fs::copy_file(firstImage(), folder_ / run + "/depth/7.png");
   }
-  ok(runTool<SegmentApp>({folder_ / "map", folder_ / "query/depth/7.png", "-o", folder_ / "out"}));
+  ok(runTool<segmentApp>({folder_ / "map", folder_ / "query/depth/7.png", "-o", folder_ / "out"}));
   EXPECT_TRUE(fs::exists(folder_ / "out/map_7.segments.pcd"));
   EXPECT_TRUE(fs::exists(folder_ / "out/query_7.segments.pcd"));
-  EXPECT_THAT(runTool<SegmentApp>({folder_ / "map", folder_ / "map", "-o", folder_ / "out"}),
+  EXPECT_THAT(runTool<segmentApp>({folder_ / "map", folder_ / "map", "-o", folder_ / "out"}),
               refuses("would both be named"));
 }
 
@@ -203,22 +198,22 @@ TEST_F(Tools, SegmentRefusesImagesWhoseOutputsWouldHaveOneName) {
   fs::create_directories(folder_ / "depth");
   fs::copy_file(query() + "/camera.ini", folder_ / "camera.ini");
   for (const char* name : {"a", "a_overlay"}) fs::copy_file(firstImage(), folder_ / "depth/" + name + ".png");
-  EXPECT_THAT(runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels", "--overlay"}),
+  EXPECT_THAT(runTool<segmentApp>({folder_ / "", "-o", folder_ / "out", "--labels", "--overlay"}),
               refuses("would both be named a_overlay.png"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
-  ok(runTool<SegmentApp>({folder_ / "", "-o", folder_ / "out", "--labels"}));
+  ok(runTool<segmentApp>({folder_ / "", "-o", folder_ / "out", "--labels"}));
 }
 
 TEST_F(Tools, TrueLabelsAreNotReplacedByFoundOnes) {
   const std::string input = folder_.copyOf(query(), "input");
-  EXPECT_THAT(runTool<SegmentApp>({input, "-o", input + "/labels", "--labels"}),
+  EXPECT_THAT(runTool<segmentApp>({input, "-o", input + "/labels", "--labels"}),
               refuses("use another output folder"));
 }
 
 TEST_F(Tools, ParametersMayContainANumberSign) {
   const std::string out = folder_ / "run#3", file = folder_ / "p.ini";
   std::ofstream(file) << "output = " << out << " # where the results go\n#a comment\n";
-  ok(runTool<SegmentApp>({firstImage(), "--params", file}));
+  ok(runTool<segmentApp>({firstImage(), "--params", file}));
   EXPECT_TRUE(fs::exists(out));
 }
 

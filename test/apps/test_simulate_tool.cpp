@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/simulation/simulated_drive.h>
 
 #include <pcl/io/ply_io.h>
 
@@ -18,7 +18,7 @@ TEST_F(Tools, SimulateIsReproducible) {
   for (const std::string scene :
        {"room", "office", "home", "hall", "corridor", "hotel", "boards", "doors", "passage", "box"}) {
     for (const std::string threads : {"1", "2"}) {
-      const ToolRun run = ok(runTool<SimulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160",
+      const ToolRun run = ok(runTool<simulateApp>({scene, "--seed", "9", "--frames", "2", "--width", "160",
                                                    "-o", folder_ / scene + threads, "--threads", threads}));
       EXPECT_THAT(lastLine(run.out), HasSubstr(folder_ / scene + threads));
     }
@@ -35,7 +35,7 @@ TEST_F(Tools, SimulateIsReproducible) {
 }
 
 TEST_F(Tools, SimulateRefusesUnknownNames) {
-  const ToolRun run = runTool<SimulateApp>({"palace", "-o", folder_ / "x"});
+  const ToolRun run = runTool<simulateApp>({"palace", "-o", folder_ / "x"});
   EXPECT_EQ(run.code, kUsage);
   for (const char* scene :
        {"office", "home", "hall", "corridor", "hotel", "boards", "doors", "passage", "box", "room"})
@@ -43,18 +43,18 @@ TEST_F(Tools, SimulateRefusesUnknownNames) {
 }
 
 TEST_F(Tools, SimulateWritesTheBuildingItself) {
-  ok(runTool<SimulateApp>(
+  ok(runTool<simulateApp>(
       {"home", "--seed", "2", "--model", folder_ / "home.ply", "--grid", folder_ / "plans/home"}));
   pcl::PolygonMesh mesh;
   ASSERT_EQ(pcl::io::loadPLYFile(folder_ / "home.ply", mesh), 0);
   EXPECT_GT(mesh.polygons.size(), 1000u);
   const OccupancyGrid grid = readOccupancyGrid(folder_ / "plans/home.yaml");
   EXPECT_GT(std::count(grid.cells.begin(), grid.cells.end(), OccupancyGrid::kOccupied), 1000);
-  EXPECT_THAT(runTool<SimulateApp>({"boards", "--grid", folder_ / "boards"}), refuses("no walls"));
+  EXPECT_THAT(runTool<simulateApp>({"boards", "--grid", folder_ / "boards"}), refuses("no walls"));
 }
 
 TEST_F(Tools, SimulateTakesAnotherCamera) {
-  ok(runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--frames", "1", "-o", folder_ / "lidar"}));
+  ok(runTool<simulateApp>({"room", "--camera", "phone_lidar", "--frames", "1", "-o", folder_ / "lidar"}));
   const CameraFile lidar = *DepthSequence::open(folder_ / "lidar/map").camera();
   EXPECT_EQ(lidar.preset, "phone_lidar");
   EXPECT_EQ(lidar.camera.intrinsics, findCameraPreset("phone_lidar")->intrinsics());
@@ -62,7 +62,7 @@ TEST_F(Tools, SimulateTakesAnotherCamera) {
 
   // An option counts more than the camera: here all pixels are lost.
   const ToolRun blind =
-      ok(runTool<SimulateApp>({"room", "--camera", "phone_lidar", "--sensor.random_dropout", "1", "--frames",
+      ok(runTool<simulateApp>({"room", "--camera", "phone_lidar", "--sensor.random_dropout", "1", "--frames",
                                "1", "--width", "128", "-o", folder_ / "blind"}));
   const DepthSequence sequence = DepthSequence::open(folder_ / "blind/map");
   const DepthImage image = sequence.load(0);
@@ -72,7 +72,7 @@ TEST_F(Tools, SimulateTakesAnotherCamera) {
 
 TEST_F(Tools, SimulateMakesMapsThatAreALittleOff) {
   const auto simulate = [&](const std::string& name, std::vector<std::string> options) {
-    ok(runTool<SimulateApp>(Arguments{"room", "--frames", "3", "--width", "80", "-o", folder_ / name} +
+    ok(runTool<simulateApp>(Arguments{"room", "--frames", "3", "--width", "80", "-o", folder_ / name} +
                             options));
   };
   const auto images = [&](const std::string& run) {
@@ -102,7 +102,7 @@ TEST_F(Tools, SimulateMakesMapsThatAreALittleOff) {
 
 TEST_F(Tools, SimulateAddsSharedErrorsOfTheCamera) {
   const auto simulate = [&](const std::string& name, std::vector<std::string> options) {
-    ok(runTool<SimulateApp>(Arguments{"room", "--camera", "phone_lidar", "--frames", "1", "--width", "128",
+    ok(runTool<simulateApp>(Arguments{"room", "--camera", "phone_lidar", "--frames", "1", "--width", "128",
                                       "-o", folder_ / name} +
                             options));
     return DepthSequence::open(folder_ / (name + "/map")).load(0).depth;
@@ -115,7 +115,7 @@ TEST_F(Tools, SimulateAddsSharedErrorsOfTheCamera) {
 }
 
 TEST_F(Tools, SimulateRefusesAnUnknownCamera) {
-  EXPECT_THAT(runTool<SimulateApp>({"room", "--camera", "nikon", "-o", folder_ / "x"}),
+  EXPECT_THAT(runTool<simulateApp>({"room", "--camera", "nikon", "-o", folder_ / "x"}),
               refuses("unknown camera 'nikon'", "realsense_d435"));
   EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
@@ -124,7 +124,9 @@ TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
   const DepthSequence sequence = DepthSequence::open(map_run());
   EXPECT_EQ(sequence.frames().size(), static_cast<std::size_t>(kFrames));
   ASSERT_TRUE(sequence.camera() && sequence.camera()->camera.mounting);
-  EXPECT_EQ(sequence.camera()->camera.intrinsics, scaledKinect(320));
+  const Intrinsics k = kinectIntrinsics();
+  const Intrinsics half = {320, 240, k.fx / 2, k.fy / 2, (k.cx + 0.5) / 2 - 0.5, (k.cy + 0.5) / 2 - 0.5};
+  EXPECT_EQ(sequence.camera()->camera.intrinsics, half);
   for (const FrameFile& frame : sequence.frames()) {
     EXPECT_TRUE(sequence.groundTruth().at(frame.stamp, 1e-6));
     EXPECT_TRUE(fs::exists(map_run() + "/labels/" + frame.path.filename().string()));
@@ -132,7 +134,7 @@ TEST_F(Tools, SimulateWritesASequenceWithItsTruth) {
 }
 
 TEST_F(Tools, SimulateStampsImagesAsARobotDrives) {
-  ok(runTool<SimulateApp>(
+  ok(runTool<simulateApp>(
       {"office", "--frames", "60", "--width", "40", "--rounds", "2", "-o", folder_ / "office"}));
   double stamp = -1;
   for (const char* run : {"map", "query"}) {
@@ -157,7 +159,7 @@ TEST_F(Tools, SimulateStampsImagesAsARobotDrives) {
 
 TEST_F(Tools, SimulateGoesRoundMoreThanOnce) {
   const auto simulate = [&](const std::string& folder, const std::string& rounds) {
-    return runTool<SimulateApp>({"home", "--map-frames", "40", "--query-frames", "3", "--width", "40",
+    return runTool<simulateApp>({"home", "--map-frames", "40", "--query-frames", "3", "--width", "40",
                                  "--map-step", "5", "--drive.turn_deg", "180", "--rounds", rounds, "-o",
                                  folder_ / folder});
   };
@@ -175,7 +177,7 @@ TEST_F(Tools, SimulateGoesRoundMoreThanOnce) {
 
 TEST_F(Tools, SimulateWritesTheWheelOdometry) {
   const auto simulate = [&](const std::string& folder, const std::vector<std::string>& more) {
-    return runTool<SimulateApp>(
+    return runTool<simulateApp>(
                Arguments{"office", "--frames", "30", "--width", "40", "-o", folder_ / folder} + more)
         .code;
   };
@@ -214,7 +216,7 @@ TEST_F(Tools, SimulateDrivesInRealTime) {
     std::vector<std::string> arguments = common;
     arguments.insert(arguments.end(), more.begin(), more.end());
     arguments.insert(arguments.end(), {"-o", folder_ / folder});
-    return runTool<SimulateApp>(arguments);
+    return runTool<simulateApp>(arguments);
   };
   ok(simulate("all", {"--threads", "2"}));
   for (const char* run : {"map", "query", "drive"}) EXPECT_TRUE(fs::exists(folder_ / "all/" + run)) << run;

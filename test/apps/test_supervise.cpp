@@ -3,7 +3,6 @@
 // is not in its map.
 #include "base/text.h"
 #include "live_tool.h"
-#include "tools/simulate_app.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/testing/places.h>
@@ -91,7 +90,7 @@ TEST_F(LiveTool, IsSupervisedForADay) {
   ASSERT_TRUE(fs::exists(map));
   EXPECT_GE(linesWith(mapping.out, "").size(), 40u);
 
-  ok(runTool<SimulateApp>(
+  ok(runTool<simulateApp>(
       {"room", "-o", folder_ / "other", "--seed", "6", "--frames", "20", "--width", "320", "--runs", "map"}));
   const DepthSequence room = DepthSequence::open(sequence()),
                       other = DepthSequence::open(folder_ / "other/map");

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools one after the other, as a user runs them, on a small simulated room.
-#include "evaluation/evaluate_app.h"
 #include "example_room.h"
-#include "tools/localize_app.h"
-#include "tools/map_apps.h"
-#include "tools/segment_app.h"
-#include "tools/simulate_app.h"
 
 #include <algorithm>
 
@@ -26,7 +21,7 @@ std::unique_ptr<TemporaryFolder> Tools::room_;
 
 void Tools::SetUpTestSuite() {
   room_ = std::make_unique<TemporaryFolder>();
-  ok(runTool<SimulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", std::to_string(kFrames),
+  ok(runTool<simulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", std::to_string(kFrames),
                            "--width", "320", "--drive.turn_deg", "8"}));
   ok(runMap({"build", map_run(), "-o", map(), "--map.distance", "0.1"}));
 }
@@ -50,13 +45,13 @@ namespace {
 TEST_F(Tools, RefuseOptionsThatMakeNoSense) {
   const std::string out = folder_ / "out";
   for (const char* width : {"-5", "1", "39"})
-    EXPECT_EQ(runTool<SegmentApp>({query(), "-o", out, "--width", width}).code, kUsage) << width;
-  ok(runTool<SegmentApp>({firstImage(), "-o", out, "--width", "0"}));
+    EXPECT_EQ(runTool<segmentApp>({query(), "-o", out, "--width", width}).code, kUsage) << width;
+  ok(runTool<segmentApp>({firstImage(), "-o", out, "--width", "0"}));
   for (const char* tolerance : {"-1", "nan"}) {
     EXPECT_EQ(runMap({"build", query(), "-o", out + ".flmap", "--pose-tolerance", tolerance}).code, kUsage);
-    EXPECT_EQ(runTool<EvaluateApp>({out, query(), "--pose-tolerance", tolerance}).code, kUsage);
+    EXPECT_EQ(runTool<evaluateApp>({out, query(), "--pose-tolerance", tolerance}).code, kUsage);
   }
-  EXPECT_EQ(runTool<SimulateApp>({"room", "-o", folder_ / "x", "--drive", "0.001"}).code, kUsage);
+  EXPECT_EQ(runTool<simulateApp>({"room", "-o", folder_ / "x", "--drive", "0.001"}).code, kUsage);
   EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
@@ -69,7 +64,7 @@ TEST_F(Tools, FromMapToEvaluation) {
 
   for (const char* threads : {"1", "2"}) {
     const ToolRun run =
-        ok(runTool<LocalizeApp>({map(), query(), "-o", folder_ / threads, "--threads", threads}));
+        ok(runTool<localizeApp>({map(), query(), "-o", folder_ / threads, "--threads", threads}));
     EXPECT_THAT(lastLine(run.out), HasAll("12 images", folder_ / threads));
   }
   for (const char* file : {"/hypotheses.csv", "/poses_tum.txt", "/params.ini"}) {
@@ -77,7 +72,7 @@ TEST_F(Tools, FromMapToEvaluation) {
     EXPECT_EQ(contentOf(folder_ / "1" + file), contentOf(folder_ / "2" + file)) << file;
   }
 
-  EXPECT_THAT(ok(runTool<EvaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map()})).out,
+  EXPECT_THAT(ok(runTool<evaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map()})).out,
               HasAll("TABLE I.", "TABLE II.", "12 (100.00 %)"));
   for (const char* file : {"evaluation.txt", "tables.csv", "frames.csv", "fig6.csv"})
     EXPECT_TRUE(fs::exists(folder_ / "1/evaluation/" + file)) << file;
@@ -86,8 +81,8 @@ TEST_F(Tools, FromMapToEvaluation) {
 TEST_F(Tools, ATrajectoryThatCannotBeReadStopsOnlyWhoNeedsIt) {
   const std::string input = folder_.copyOf(query(), "input"), path = folder_ / "m.flmap";
   writeContent(input + "/groundtruth.txt", "0.5 left and right\n");
-  ok(runTool<LocalizeApp>({map(), input, "-o", folder_ / "results"}));
-  ok(runTool<SegmentApp>({input, "-o", folder_ / "out"}));
+  ok(runTool<localizeApp>({map(), input, "-o", folder_ / "results"}));
+  ok(runTool<segmentApp>({input, "-o", folder_ / "out"}));
   ok(runMap({"build", input, "-o", path, "--poses", query() + "/groundtruth.txt"}));
   EXPECT_THAT(runMap({"build", input, "-o", folder_ / "other.flmap"}), fails("groundtruth.txt", "line 1"));
 }
@@ -101,19 +96,19 @@ TEST_F(Tools, ResultsReplaceNoInputs) {
     EXPECT_EQ(run.code, kUsage);
     EXPECT_THAT(run.err, HasSubstr("the results would replace " + input));
   };
-  refuses(runTool<LocalizeApp>({map(), list, "-o", here}), list);
-  refuses(runTool<LocalizeApp>({map(), firstImage(), "-o", here, "--params", params}), params);
-  refuses(runTool<SegmentApp>({list, "-o", here}), list);
-  refuses(runTool<SegmentApp>({firstImage(), "-o", here, "--params", params}), params);
-  EXPECT_EQ(runTool<LocalizeApp>({map(), firstImage(), "-o", here, "--params", params, "--resume"}).code,
+  refuses(runTool<localizeApp>({map(), list, "-o", here}), list);
+  refuses(runTool<localizeApp>({map(), firstImage(), "-o", here, "--params", params}), params);
+  refuses(runTool<segmentApp>({list, "-o", here}), list);
+  refuses(runTool<segmentApp>({firstImage(), "-o", here, "--params", params}), params);
+  EXPECT_EQ(runTool<localizeApp>({map(), firstImage(), "-o", here, "--params", params, "--resume"}).code,
             kFailed);
-  EXPECT_EQ(runTool<SegmentApp>({firstImage(), "-o", here, "--params", params, "--resume"}).code, kFailed);
+  EXPECT_EQ(runTool<segmentApp>({firstImage(), "-o", here, "--params", params, "--resume"}).code, kFailed);
   EXPECT_EQ(contentOf(list), firstImage() + "\n");
   EXPECT_EQ(contentOf(params), "# mine\nwidth = 320\n");
 
   const std::string results = folder_ / "results";
-  ok(runTool<LocalizeApp>({map(), firstImage(), "-o", results}));
-  ok(runTool<LocalizeApp>(
+  ok(runTool<localizeApp>({map(), firstImage(), "-o", results}));
+  ok(runTool<localizeApp>(
       {map(), firstImage(), "-o", results, "--params", results + "/params.ini", "--resume"}));
 }
 

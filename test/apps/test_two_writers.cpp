@@ -2,7 +2,6 @@
 // Programs that write to the same place, that are stopped, or whose reader goes away.
 #include "example_room.h"
 #include "process.h"
-#include "tools/localize_app.h"
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "cli/app.h"
+#include "cli/tools.h"
 
 #include <facetloc/testing/matchers.h>
 
@@ -66,6 +66,10 @@ ToolRun captured(const Run& run) {
 template <class Tool>
 ToolRun runTool(const std::vector<std::string>& arguments) {
   return captured([&](const Console& console) { return Tool().run(arguments, console); });
+}
+template <MakeApp tool>
+ToolRun runTool(const std::vector<std::string>& arguments) {
+  return captured([&](const Console& console) { return tool()->run(arguments, console); });
 }
 
 /** \brief A folder that vanishes with the test. */

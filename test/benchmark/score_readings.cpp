@@ -9,8 +9,8 @@
 // copies of it are made, each wrong in one way, and shown to facetloc_check: refused if it fails, named if it
 // has a note that it lacks for the recording itself, else silent. A note on the recording itself is
 // also printed, as far as it doubts how the recording is read.
+#include "cli/tools.h"
 #include "programs.h"
-#include "tools/check_app.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/png.h>
@@ -282,7 +282,7 @@ struct Outcome {
 
 Outcome check(const fs::path& folder) {
   std::ostringstream out, err;
-  const int code = CheckApp().run({folder.string()}, Console{out, err, false, true, {}});
+  const int code = checkApp()->run({folder.string()}, Console{out, err, false, true, {}});
   Outcome outcome{code, {}};
   std::istringstream lines(out.str() + err.str());
   for (std::string line; std::getline(lines, line);)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/evaluate_app.h"
-
 #include "base/text.h"
 #include "cli/text.h"
+#include "cli/tools.h"
 #include "drawing/offscreen_display.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/evaluation_pictures.h"
+#include "evaluation/evaluation_report.h"
 #include "evaluation/start_curves.h"
 #include "evaluation/trajectory_report.h"
 #include "evaluation/verdict.h"
@@ -73,243 +73,242 @@ std::optional<Alignment> alignmentOf(const Map& map, const TrueModelPoses& true_
   return alignment;
 }
 
-}  // namespace
+/** facetloc_evaluate: results against the truth, as the paper does it and beyond. */
+class EvaluateApp : public App {
+public:
+  EvaluateApp()
+      : App("facetloc_evaluate", "RESULTS|TRAJECTORY [GROUNDTRUTH] [options]",
+            "Compares RESULTS of facetloc_localize with the truth. RESULTS is a folder, or a folder of such "
+            "folders, one per run. GROUNDTRUTH is a file of poses in the TUM format, a recording with poses, "
+            "or the folder of a simulated place. Prints tables and writes report.html: a verdict, charts and "
+            "tables, and with --map the floor map and some failures. map.html shows all answers in the map, "
+            "to turn in a browser. For a TRAJECTORY, a file in the TUM format, prints its absolute and "
+            "relative errors. Replaces an earlier evaluation in the same folder. Pictures need an X display; "
+            "without one, Xvfb is started if installed.") {}
 
-std::vector<ModelPose> modelPosesOf(const Trajectory& run, const MapBuilderParams& params) {
-  std::vector<ModelPose> models;
-  MapBuilder rule(params);
-  for (const StampedPose& pose : run.poses())
-    if (rule.accept(pose.T_w_c)) models.push_back({"", pose.stamp, pose.T_w_c});
-  return models;
-}
+private:
+  /** The results to be judged, and the truth. */
+  struct Input {
+    std::vector<RunResults> runs;
+    PlaceTruth truth;
+    std::optional<Map> map;
+    std::optional<ResultsAlignment> alignment{};
+    std::vector<StartCurve> starts{};  // answers after each of several starts of a drive
+  };
 
-EvaluateApp::EvaluateApp()
-    : App("facetloc_evaluate", "RESULTS|TRAJECTORY [GROUNDTRUTH] [options]",
-          "Compares RESULTS of facetloc_localize with the truth. RESULTS is a folder, or a folder of such "
-          "folders, one per run. GROUNDTRUTH is a file of poses in the TUM format, a recording with poses, "
-          "or the folder of a simulated place. Prints tables and writes report.html: a verdict, charts and "
-          "tables, and with --map the floor map and some failures. map.html shows all answers in the map, to "
-          "turn in a browser. For a TRAJECTORY, a file in the TUM format, prints its absolute and relative "
-          "errors. Replaces an earlier evaluation in the same folder. Pictures need an X display; without "
-          "one, "
-          "Xvfb is started if installed.") {}
+  void addOptions(CommandLine& line) override {
+    line.addArgument("RESULTS", results_);
+    line.addArgument("GROUNDTRUTH", truth_, false);
+    line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation unless given.");
+    line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
+    line.addOption("map-groundtruth", map_truth_, "FILE",
+                   "True poses of the map's images, if those in the map may differ.");
+    line.addSwitch(
+        "align", align_,
+        "First align the results with the truth, by the rigid motion that most sure answers share.");
+    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
+    line.addCheck([this] { requireTolerance(pose_tolerance_); });
+    addTimeOffset(line, time_offset_);
+    line.addParams(params_, "evaluation", CommandLine::Shown::in_help);
+    line.addExample("results walk --map office.flmap", "a report with the map");
+    line.addExample("trajectory.txt walk", "errors of a trajectory");
+  }
 
-void EvaluateApp::addOptions(CommandLine& line) {
-  line.addArgument("RESULTS", results_);
-  line.addArgument("GROUNDTRUTH", truth_, false);
-  line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation unless given.");
-  line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
-  line.addOption("map-groundtruth", map_truth_, "FILE",
-                 "True poses of the map's images, if those in the map may differ.");
-  line.addSwitch("align", align_,
-                 "First align the results with the truth, by the rigid motion that most sure answers share.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
-  line.addCheck([this] { requireTolerance(pose_tolerance_); });
-  addTimeOffset(line, time_offset_);
-  line.addParams(params_, "evaluation", CommandLine::Shown::in_help);
-  line.addOption("model-distance", builder_.distance, "M",
-                 "Distance between local models along --map-groundtruth [m].");
-  line.addOption("model-rotation-deg", builder_.rotation_deg, "DEG",
-                 "Rotation between local models along --map-groundtruth [deg].");
-  line.addExample("results walk --map office.flmap", "a report with the map");
-  line.addExample("trajectory.txt walk", "errors of a trajectory");
-}
+  std::vector<ModelPose> modelPoses(const std::optional<Map>& map) const {
+    if (!map)
+      return map_truth_.empty() ? std::vector<ModelPose>()
+                                : modelPosesOf(DepthSequence::readTruth(map_truth_, time_offset_));
+    return modelPosesOf(*map);
+  }
 
-/** The results to be judged, and the truth. */
-struct EvaluateApp::Input {
-  std::vector<RunResults> runs;
-  PlaceTruth truth;
-  std::optional<Map> map;
-  std::optional<ResultsAlignment> alignment{};
-  std::vector<StartCurve> starts{};  // answers after each of several starts of a drive
+  TrueModelPoses trueModelPoses(const Input& input) const {
+    std::optional<Trajectory> mapping;
+    if (!map_truth_.empty()) mapping = DepthSequence::readTruth(map_truth_, time_offset_);
+    for (const PlaceTruth::Sequence& sequence : input.truth.sequences())
+      if (!mapping && sequence.folder.filename() == kMappingRun) mapping = sequence.poses;
+    TrueModelPoses poses;
+    if (!mapping) return poses;
+    const auto add = [&](const std::string& model, std::optional<double> stamp) {
+      if (!stamp) return;
+      if (const auto pose = mapping->at(*stamp, pose_tolerance_)) poses[model] = *pose;
+    };
+    if (input.map)
+      for (const LocalModel& model : input.map->models) add(model.name, model.stamp);
+    else
+      for (const RunResults& run : input.runs)
+        for (const ResultRow& row : run.rows) add(row.model, text::to<double>(row.model));
+    return poses;
+  }
+
+  std::optional<ResultsAlignment> align(Input& input) const {
+    const std::vector<PosePair> pairs =
+        sureAnswers(input.runs, input.truth, input.map ? modelPoses(input.map) : std::vector<ModelPose>(),
+                    pose_tolerance_);
+    if (pairs.size() < kLeastPairs)
+      throw IoError(results_, fmt::format("has {} in a world and with a true pose, and --align needs {}",
+                                          counted(pairs.size(), "sure answer"), kLeastPairs));
+    ResultsAlignment alignment{robustlyAligned(pairs), pairs.size(), {}};
+    const Eigen::Isometry3d& T = alignment.motion.T_true_estimated;
+    std::vector<double> distances;
+    for (const PosePair& pair : pairs) distances.push_back(distanceAfter(T, pair));
+    alignment.errors = momentsOf(distances);
+    moveWorld(T, input.runs);
+    if (input.map)
+      for (LocalModel& model : input.map->models)
+        if (model.T_w_m) model.T_w_m = T * *model.T_w_m;
+    return alignment;
+  }
+
+  void requireWorldPoses(const std::vector<RunResults>& runs, const std::optional<Map>& map) const {
+    bool any = false, posed = false;
+    for (const RunResults& run : runs)
+      for (const ResultRow& row : run.rows) {
+        any = any || row.rank > 0;
+        posed = posed || (row.T_w_c && row.part.empty() && (!map || hasGivenPose(*map)));
+      }
+    if (any && !posed) throw IoError(results_, "has no world poses: the map has none");
+  }
+
+  EvaluationReport reportOf(const Input& input) const {
+    EvaluationReport report{results_, truth_, params_, {}, {}, {}};
+    if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
+      throw IoError(results_, "contains no results of any image");
+    if (input.map) requireSameMap(input.runs, *input.map, map_);
+    const TrueModelPoses true_models = trueModelPoses(input);
+    report.alignment = input.alignment;
+    report.own_frame = input.alignment || (input.map && !hasGivenPose(*input.map));
+    if (report.own_frame && input.map) report.map_alignment = alignmentOf(*input.map, true_models);
+    report.evaluation =
+        evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_, true_models);
+    if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
+    if (true_models.empty() && (!input.map || modelPoses(input.map).empty()))
+      requireWorldPoses(input.runs, input.map);
+    report.summaries = summarizeSets(report.evaluation);
+    for (const RunResults& run : input.runs)
+      report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
+    return report;
+  }
+
+  void addMap(const EvaluationReport& report, const Input& input, ReportFigures& figures) const {
+    MapPage page =
+        pageOfAnswers(*input.map, input.truth, input.runs, report.evaluation, judgesRelatively(report));
+    figures.plan = planOfAnswers(*input.map, report.evaluation, page);
+    page.title = fmt::format("{} in {}", titleOf(results_), fs::path(map_).stem().string());
+    writeMapPage(fs::path(folder_) / kMapPage, *input.map, page);
+    figures.map_page = true;
+  }
+
+  /** Pictures of the map and of images that miss; none without the map. */
+  std::vector<ReportPicture> drawPictures(const EvaluationReport& report, const Input& input,
+                                          const Console& console) const {
+    if (!input.map) return {};
+    const OffscreenDisplay display;
+    if (!display.available()) {
+      console.note("no pictures: " + display.problem());
+      return {};
+    }
+    const fs::path folder = folder_;
+    drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation);
+    return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
+                      input.truth, input.runs, console);
+  }
+
+  ReportFigures figuresOf(const EvaluationReport& report, const Input& input, const Console& console) const {
+    ReportFigures figures;
+    figures.starts = input.starts;
+    // A map without poses, or a build without three.js, is no reason to miss the report.
+    const auto attempt = [&](const auto& draw) {
+      try {
+        draw();
+      } catch (const std::exception& e) {
+        console.note(std::string("a picture is missing: ") + e.what());
+      }
+    };
+    if (input.map) attempt([&] { addMap(report, input, figures); });
+    if (report.isJudged()) attempt([&] { figures.pictures = drawPictures(report, input, console); });
+    return figures;
+  }
+
+  int evaluateTrajectory(const Console& console) const {
+    const Trajectory estimate = readTrajectory(results_);
+    TrajectoryReport report{results_, truth_, {}};
+    try {
+      report.errors =
+          trajectoryErrors(estimate, PlaceTruth::open(truth_, time_offset_).poses(), pose_tolerance_);
+    } catch (const std::invalid_argument& e) {
+      throw IoError(results_ + " and " + truth_, e.what());
+    }
+    const fs::path beside = fs::path(results_).replace_extension();
+    const fs::path folder = folder_.empty() ? fs::path(beside.string() + "_evaluation") : fs::path(folder_);
+    createFolders(folder);
+    removeEarlier(folder);
+    writeReport(folder, report);
+    const OffscreenDisplay display;
+    if (display.available())
+      drawTrajectories(folder / kTrajectories, report.errors);
+    else
+      console.note("no pictures: " + display.problem());
+    writeHtmlReport(folder, report);
+    printReport(console.out, report);
+    console.out << "\nevaluation in " << folder.string() << "\n";
+    return kOk;
+  }
+
+  /** Reports the answers alone. */
+  int reportWithoutTruth(const Input& input, const Console& console) {
+    if (align_ || !map_truth_.empty())
+      throw UsageError("GROUNDTRUTH is missing: --align and --map-groundtruth need it");
+    EvaluationReport report{results_, {}, params_, withoutTruth(input.runs), {}, {}};
+    if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
+    if (input.map) requireSameMap(input.runs, *input.map, map_);
+    for (const RunResults& run : input.runs)
+      report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
+    createFolders(folder_);
+    removeEarlier(folder_);
+    writeHtmlReport(folder_, report, figuresOf(report, input, console));
+    printVerdict(console.out, verdictOf(report));
+    console.out << "\nevaluation in " << folder_ << "\n";
+    return kOk;
+  }
+
+  int execute(const CommandLine&, const Console& console) override {
+    if (fs::is_regular_file(results_)) {
+      if (truth_.empty()) throw UsageError("GROUNDTRUTH is missing: a trajectory is judged by true poses");
+      return evaluateTrajectory(console);
+    }
+    Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }), {}, {}};
+    if (!map_.empty()) input.map = readMap(map_);
+    if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
+    if (truth_.empty()) return reportWithoutTruth(input, console);
+    input.truth = PlaceTruth::open(truth_, time_offset_);
+    if (align_) input.alignment = align(input);
+    const EvaluationReport report = reportOf(input);
+    createFolders(folder_);
+    removeEarlier(folder_);
+    writeReport(folder_, report);
+    if (const auto answers = readStarts(results_); !answers.empty()) {
+      const Eigen::Isometry3d T_true_estimated =
+          input.alignment ? input.alignment->motion.T_true_estimated : Eigen::Isometry3d::Identity();
+      input.starts = startCurves(answers, report.evaluation.frames, T_true_estimated, params_);
+      writeStartCurves(folder_, input.starts);
+    }
+    writeHtmlReport(folder_, report, figuresOf(report, input, console));
+    printReport(console.out, report);  // last, for who reads it may stop doing so
+    printStartCurves(console.out, input.starts);
+    console.out << "\n";
+    printVerdict(console.out, verdictOf(report));
+    console.out << "\nevaluation in " << folder_ << "\n";
+    return kOk;
+  }
+
+  std::string results_, truth_, folder_, map_, map_truth_;
+  bool align_ = false;
+  double pose_tolerance_ = 0.02, time_offset_ = 0;
+  EvaluationParams params_;
 };
 
-std::vector<ModelPose> EvaluateApp::modelPoses(const std::optional<Map>& map) const {
-  if (!map)
-    return map_truth_.empty() ? std::vector<ModelPose>()
-                              : modelPosesOf(DepthSequence::readTruth(map_truth_, time_offset_), builder_);
-  return modelPosesOf(*map);
-}
+}  // namespace
 
-TrueModelPoses EvaluateApp::trueModelPoses(const Input& input) const {
-  std::optional<Trajectory> mapping;
-  if (!map_truth_.empty()) mapping = DepthSequence::readTruth(map_truth_, time_offset_);
-  for (const PlaceTruth::Sequence& sequence : input.truth.sequences())
-    if (!mapping && sequence.folder.filename() == kMappingRun) mapping = sequence.poses;
-  TrueModelPoses poses;
-  if (!mapping) return poses;
-  const auto add = [&](const std::string& model, std::optional<double> stamp) {
-    if (!stamp) return;
-    if (const auto pose = mapping->at(*stamp, pose_tolerance_)) poses[model] = *pose;
-  };
-  if (input.map)
-    for (const LocalModel& model : input.map->models) add(model.name, model.stamp);
-  else
-    for (const RunResults& run : input.runs)
-      for (const ResultRow& row : run.rows) add(row.model, text::to<double>(row.model));
-  return poses;
-}
-
-std::optional<ResultsAlignment> EvaluateApp::align(Input& input) const {
-  const std::vector<PosePair> pairs = sureAnswers(
-      input.runs, input.truth, input.map ? modelPoses(input.map) : std::vector<ModelPose>(), pose_tolerance_);
-  if (pairs.size() < kLeastPairs)
-    throw IoError(results_, fmt::format("has {} in a world and with a true pose, and --align needs {}",
-                                        counted(pairs.size(), "sure answer"), kLeastPairs));
-  ResultsAlignment alignment{robustlyAligned(pairs), pairs.size(), {}};
-  const Eigen::Isometry3d& T = alignment.motion.T_true_estimated;
-  std::vector<double> distances;
-  for (const PosePair& pair : pairs) distances.push_back(distanceAfter(T, pair));
-  alignment.errors = momentsOf(distances);
-  moveWorld(T, input.runs);
-  if (input.map)
-    for (LocalModel& model : input.map->models)
-      if (model.T_w_m) model.T_w_m = T * *model.T_w_m;
-  return alignment;
-}
-
-void EvaluateApp::requireWorldPoses(const std::vector<RunResults>& runs,
-                                    const std::optional<Map>& map) const {
-  bool any = false, posed = false;
-  for (const RunResults& run : runs)
-    for (const ResultRow& row : run.rows) {
-      any = any || row.rank > 0;
-      posed = posed || (row.T_w_c && row.part.empty() && (!map || hasGivenPose(*map)));
-    }
-  if (any && !posed) throw IoError(results_, "has no world poses: the map has none");
-}
-
-EvaluationReport EvaluateApp::reportOf(const Input& input) const {
-  EvaluationReport report{results_, truth_, params_, {}, {}, {}};
-  if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
-    throw IoError(results_, "contains no results of any image");
-  if (input.map) requireSameMap(input.runs, *input.map, map_);
-  const TrueModelPoses true_models = trueModelPoses(input);
-  report.alignment = input.alignment;
-  report.own_frame = input.alignment || (input.map && !hasGivenPose(*input.map));
-  if (report.own_frame && input.map) report.map_alignment = alignmentOf(*input.map, true_models);
-  report.evaluation =
-      evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_, true_models);
-  if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
-  if (true_models.empty() && (!input.map || modelPoses(input.map).empty()))
-    requireWorldPoses(input.runs, input.map);
-  report.summaries = summarizeSets(report.evaluation);
-  for (const RunResults& run : input.runs)
-    report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
-  return report;
-}
-
-void EvaluateApp::addMap(const EvaluationReport& report, const Input& input, ReportFigures& figures) const {
-  MapPage page =
-      pageOfAnswers(*input.map, input.truth, input.runs, report.evaluation, judgesRelatively(report));
-  figures.plan = planOfAnswers(*input.map, report.evaluation, page);
-  page.title = fmt::format("{} in {}", titleOf(results_), fs::path(map_).stem().string());
-  writeMapPage(fs::path(folder_) / kMapPage, *input.map, page);
-  figures.map_page = true;
-}
-
-/** Pictures of the map and of images that miss; none without the map. */
-std::vector<ReportPicture> EvaluateApp::drawPictures(const EvaluationReport& report, const Input& input,
-                                                     const Console& console) const {
-  if (!input.map) return {};
-  const OffscreenDisplay display;
-  if (!display.available()) {
-    console.note("no pictures: " + display.problem());
-    return {};
-  }
-  const fs::path folder = folder_;
-  drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation);
-  return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
-                    input.truth, input.runs, console);
-}
-
-ReportFigures EvaluateApp::figuresOf(const EvaluationReport& report, const Input& input,
-                                     const Console& console) const {
-  ReportFigures figures;
-  figures.starts = input.starts;
-  // A map without poses, or a build without three.js, is no reason to miss the report.
-  const auto attempt = [&](const auto& draw) {
-    try {
-      draw();
-    } catch (const std::exception& e) {
-      console.note(std::string("a picture is missing: ") + e.what());
-    }
-  };
-  if (input.map) attempt([&] { addMap(report, input, figures); });
-  if (report.isJudged()) attempt([&] { figures.pictures = drawPictures(report, input, console); });
-  return figures;
-}
-
-int EvaluateApp::evaluateTrajectory(const Console& console) const {
-  const Trajectory estimate = readTrajectory(results_);
-  TrajectoryReport report{results_, truth_, {}};
-  try {
-    report.errors =
-        trajectoryErrors(estimate, PlaceTruth::open(truth_, time_offset_).poses(), pose_tolerance_);
-  } catch (const std::invalid_argument& e) {
-    throw IoError(results_ + " and " + truth_, e.what());
-  }
-  const fs::path beside = fs::path(results_).replace_extension();
-  const fs::path folder = folder_.empty() ? fs::path(beside.string() + "_evaluation") : fs::path(folder_);
-  createFolders(folder);
-  removeEarlier(folder);
-  writeReport(folder, report);
-  const OffscreenDisplay display;
-  if (display.available())
-    drawTrajectories(folder / kTrajectories, report.errors);
-  else
-    console.note("no pictures: " + display.problem());
-  writeHtmlReport(folder, report);
-  printReport(console.out, report);
-  console.out << "\nevaluation in " << folder.string() << "\n";
-  return kOk;
-}
-
-/** Reports the answers alone. */
-int EvaluateApp::reportWithoutTruth(const Input& input, const Console& console) {
-  if (align_ || !map_truth_.empty())
-    throw UsageError("GROUNDTRUTH is missing: --align and --map-groundtruth need it");
-  EvaluationReport report{results_, {}, params_, withoutTruth(input.runs), {}, {}};
-  if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
-  if (input.map) requireSameMap(input.runs, *input.map, map_);
-  for (const RunResults& run : input.runs)
-    report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
-  createFolders(folder_);
-  removeEarlier(folder_);
-  writeHtmlReport(folder_, report, figuresOf(report, input, console));
-  printVerdict(console.out, verdictOf(report));
-  console.out << "\nevaluation in " << folder_ << "\n";
-  return kOk;
-}
-
-int EvaluateApp::execute(const CommandLine&, const Console& console) {
-  if (fs::is_regular_file(results_)) {
-    if (truth_.empty()) throw UsageError("GROUNDTRUTH is missing: a trajectory is judged by true poses");
-    return evaluateTrajectory(console);
-  }
-  Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }), {}, {}};
-  if (!map_.empty()) input.map = readMap(map_);
-  if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
-  if (truth_.empty()) return reportWithoutTruth(input, console);
-  input.truth = PlaceTruth::open(truth_, time_offset_);
-  if (align_) input.alignment = align(input);
-  const EvaluationReport report = reportOf(input);
-  createFolders(folder_);
-  removeEarlier(folder_);
-  writeReport(folder_, report);
-  if (const auto answers = readStarts(results_); !answers.empty()) {
-    const Eigen::Isometry3d T_true_estimated =
-        input.alignment ? input.alignment->motion.T_true_estimated : Eigen::Isometry3d::Identity();
-    input.starts = startCurves(answers, report.evaluation.frames, T_true_estimated, params_);
-    writeStartCurves(folder_, input.starts);
-  }
-  writeHtmlReport(folder_, report, figuresOf(report, input, console));
-  printReport(console.out, report);  // last, for who reads it may stop doing so
-  printStartCurves(console.out, input.starts);
-  console.out << "\n";
-  printVerdict(console.out, verdictOf(report));
-  console.out << "\nevaluation in " << folder_ << "\n";
-  return kOk;
-}
+std::unique_ptr<App> evaluateApp() { return std::make_unique<EvaluateApp>(); }
 
 }  // namespace facetloc

@@ -7,6 +7,7 @@
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/so3.h>
 #include <facetloc/io/error.h>
+#include <facetloc/mapping/map_builder.h>
 
 #include <algorithm>
 #include <cmath>
@@ -311,6 +312,14 @@ std::vector<ModelPose> modelPosesOf(const Map& map) {
       poses.push_back({model.name, model.stamp, *model.T_w_m, size == sizes.end() ? 0 : size->second});
   }
   return poses;
+}
+
+std::vector<ModelPose> modelPosesOf(const Trajectory& run) {
+  std::vector<ModelPose> models;
+  MapBuilder rule;
+  for (const StampedPose& pose : run.poses())
+    if (rule.accept(pose.T_w_c)) models.push_back({"", pose.stamp, pose.T_w_c});
+  return models;
 }
 
 namespace {

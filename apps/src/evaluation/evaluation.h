@@ -61,6 +61,8 @@ struct ModelPose {
 };
 /** \brief Poses of those local models of a map that have one. */
 std::vector<ModelPose> modelPosesOf(const Map& map);
+/** \brief The local models that the paper's rule makes of a run. */
+std::vector<ModelPose> modelPosesOf(const Trajectory& run);
 
 /** \brief A map image is itself one of the local models: of the same name or stamp, and at the same true pose
  * or from a file of the same name and size, for the poses of a map need not be the true ones. The other

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/text.h"
 #include "drawing/outputs.h"
+#include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "inputs/start_option.h"
 

@@ -3,7 +3,6 @@
 
 #include "cli/stop_signal.h"
 #include "drawing/offscreen_display.h"
-#include "live/live_app.h"
 #include "live/live_extension.h"
 #include "live/live_picture.h"
 #include "live/live_results.h"
@@ -14,6 +13,8 @@
 #include "outputs/pose_stream.h"
 
 #include <facetloc/io/oni_recorder.h>
+#include <facetloc/mapping/map_builder.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 #include <chrono>
 #include <cstdint>
@@ -21,9 +22,30 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 
 namespace facetloc {
+
+/** \brief The options of a live run. */
+struct LiveRunOptions {
+  LiveSourceOptions source;
+  std::string map;          ///< file; empty = segmentation only
+  std::string build;        ///< file of a map to be made; empty = none
+  std::string extend;       ///< the map itself, if it is to be brought up to date; empty = it stays
+  std::string remember;     ///< file of the last sure pose; empty = none
+  std::string results;      ///< folder; empty = none
+  std::string screenshots;  ///< folder; empty = none
+  std::string recording;    ///< file; empty = none
+  std::string odometry;     ///< file, "-" = standard input; empty = none
+  std::string near;         ///< where the camera begins (startPose()); empty = not known
+  int every = 30;           ///< processed frames per screenshot
+  bool headless = false;
+  bool wait = false;  ///< for a device that is not there, or has gone
+  int max_frames = 0;
+  double duration = 0;             ///< [s]; 0 = without end
+  std::ostream* stream = nullptr;  ///< answers go here, as lines of JSON (PoseStream); null = nowhere
+};
 
 /** \brief The parameters of a live run's algorithms, for a camera that is not known yet. */
 struct LiveAlgorithms {

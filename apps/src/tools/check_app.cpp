@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/check_app.h"
-
 #include "base/median.h"
 #include "base/text.h"
 #include "batch/batch.h"
 #include "batch/map_watch.h"
 #include "cli/text.h"
+#include "cli/tools.h"
+#include "inputs/depth_input.h"
 #include "tools/image_trajectory.h"
 #include "tools/noise_table.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/local_model.h>
+#include <facetloc/features/noise_over_range.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/mapping/map_making.h>
@@ -22,6 +23,8 @@
 #include <fmt/core.h>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace facetloc {
 namespace {
@@ -79,293 +82,306 @@ bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
   return static_cast<double>(level) > kMostly * static_cast<double>(poses.poses().size());
 }
 
+/** facetloc_check: the content of a recording, and the results to expect of it. */
+class CheckApp : public App {
+public:
+  CheckApp()
+      : App("facetloc_check", "RECORDING [options]",
+            "Checks a recording and how it is read: layout, times, camera, noise over range, share of "
+            "measured pixels, agreement of poses and images, the camera's mounting above the floor, and the "
+            "map to expect of facetloc_map build. Reads up to 200 images, evenly spread. Writes no files. "
+            "Exits with 1 if the recording cannot be right as it is read.") {}
+
+private:
+  /** Findings about one image. */
+  struct ImageReport {
+    bool is_read = false;
+    Intrinsics camera;         // camera of the whole image
+    double measured = 0;       // share of its pixels
+    std::vector<float> depth;  // sampled pixels
+    std::vector<NoiseSample> noise;
+    View view;
+  };
+
+  /** Faults and missing items. */
+  struct Findings {
+    std::vector<std::string> notes;  // sentences, printed in this order
+    bool in_doubt = false;           // the images, or their poses: nothing is to be derived from them
+    bool impossible = false;         // the recording cannot be right as it is read
+
+    void add(std::string note) { notes.push_back(std::move(note)); }
+    void doubt(std::string note, bool is_impossible) {
+      add(std::move(note));
+      in_doubt = true;
+      impossible = impossible || is_impossible;
+    }
+  };
+
+  void addOptions(CommandLine& line) override {
+    line.addArgument("RECORDING", input_);
+    line.addOption("poses", poses_, "FILE", "Check these poses instead of those of the RECORDING.");
+    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
+    line.addCheck([this] { requireTolerance(pose_tolerance_); });
+    addRecordingOptions(line, depth_.recording);
+    depth_.addOptions(line);
+    line.addExample("walk", "the content of walk, and faults");
+    line.addExample("walk --poses poses.csv", "whether these poses fit its images");
+  }
+
+  void reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,
+                    const Console& console, Findings& findings) const {
+    const auto& frames = sequence.frames();
+    line(console, "recording", fmt::format("{}, {}", counted(frames.size(), "image"), sequence.layout()));
+    if (sequence.stamped() && frames.size() > 1) {
+      std::vector<double> steps;
+      for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
+      const double usual = internal::median(steps), longest = *std::max_element(steps.begin(), steps.end());
+      line(console, "times",
+           fmt::format("{:.3f} to {:.3f} s, {:.3g} images per second, longest gap {:.3g} s",
+                       frames.front().stamp, frames.back().stamp, 1 / usual, longest));
+      if (longest > kLongGap)
+        findings.add(fmt::format(
+            "between some images there are more than {:.2g} s: without poses, a trajectory may break there",
+            kLongGap));
+    } else if (!sequence.stamped()) {
+      findings.add("the images have no times, so that poses cannot be matched with them; name them by their "
+                   "times in seconds, or add a depth.txt");
+    }
+    std::vector<float> depth;
+    double measured = 0, segments = 0;
+    std::size_t n = 0;
+    for (const ImageReport& image : images) {
+      if (!image.is_read) continue;
+      ++n;
+      measured += image.measured;
+      segments += static_cast<double>(image.view.segments.size());
+      depth.insert(depth.end(), image.depth.begin(), image.depth.end());
+    }
+    measured /= static_cast<double>(n), segments /= static_cast<double>(n);
+    if (depth.empty()) {
+      line(console, "depth", "nothing is measured");
+      findings.add("no pixel is measured: look at the images, and at depth_scale");
+      return;
+    }
+    const double median = quantile(depth, 0.5);
+    line(console, "depth",
+         fmt::format("{} of the pixels are measured; 98 % of them from {} to {}, median {}",
+                     percent(measured), metres(quantile(depth, 0.01)), metres(quantile(depth, 0.99)),
+                     metres(median)));
+    const CameraPreset* preset = sequence.camera() ? findCameraPreset(sequence.camera()->preset) : nullptr;
+    if (!findings.in_doubt && (median < kLeastMedian || median > kMostMedian))
+      findings.doubt(fmt::format("half of the depths are {} {}, as no room has it: is depth_scale right? "
+                                 "(--depth-scale tries another one)",
+                                 median < kLeastMedian ? "below" : "above", metres(median)),
+                     false);
+    else if (preset && median < preset->min_depth)
+      findings.doubt(
+          fmt::format("half of the depths are below {}, nearer than a {} measures: is depth_scale right? "
+                      "(--depth-scale tries another one)",
+                      metres(median), preset->name),
+          false);
+    else if (measured < kFewMeasured)
+      findings.add(
+          "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
+          "not its only mark for that");
+    line(console, "planes", fmt::format("{:.1f} segments in an image", segments));
+    if (segments < kFewSegments) findings.add("the images show few planes: such places are easily confused");
+  }
+
+  void reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
+                    const Console& console) const {
+    const auto first =
+        std::find_if(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; });
+    line(console, "camera", toString(first->camera));
+    const auto& file = sequence.camera();
+    if (!file) return line(console, "", "by the points of the clouds");
+    const bool is_png = sequence.frames().front().path.extension() == ".png";
+    const Camera& camera = file->camera;
+    std::string words = is_png ? fmt::format("{:.6g} PNG values per metre", file->depth_scale) : "";
+    const auto add = [&words](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
+    if (!file->preset.empty()) add(std::string("a ") + file->preset);
+    if (std::isfinite(camera.max_depth)) add("measures up to " + metres(camera.max_depth));
+    if (camera.mounting) add("mounted " + facetloc::toString(*camera.mounting));
+    if (!words.empty()) line(console, "", words);
+  }
+
+  void reportValues(const DepthSequence& sequence, Findings& findings) const {
+    if (!sequence.camera()) return;
+    const ValueCheck check = checkValues(depthValues(sequence), sequence.camera()->depth_scale);
+    for (const std::string& fault : check.faults) findings.doubt(fault, check.impossible);
+    const std::string of_optics = opticsFault(sequence.camera()->camera.intrinsics);
+    if (!of_optics.empty()) findings.doubt(of_optics, true);
+  }
+
+  void reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
+                      Findings& findings) const {
+    if (findings.impossible || !canBeReadAgain(sequence)) return;
+    making.checkGeometry();
+    const GeometryCheck& check = *making.findings().geometry;
+    for (const ReadingFault& fault : check.faults) findings.doubt(fault.words, fault.impossible);
+    if (check.surfaces > 0)
+      line(console, "surfaces",
+           fmt::format("{} in {} are flat{}", counted(check.surfaces, "large one"),
+                       counted(check.images, "image"), check.faults.empty() ? "" : ", but see below"));
+  }
+
+  void reportNoise(std::vector<ImageReport>& images, const Console& console, const Findings& findings) const {
+    if (findings.in_doubt) return line(console, "noise", "not known while the images are in doubt");
+    std::vector<NoiseSample> samples;
+    for (const ImageReport& image : images)
+      samples.insert(samples.end(), image.noise.begin(), image.noise.end());
+    const std::vector<NoiseBin> bins = binned(std::move(samples));
+    if (bins.empty()) return line(console, "noise", "not known: too few flat places");
+    console.out << "noise\n";
+    printNoise(console.out, bins);
+  }
+
+  void reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
+                   const Console& console, Findings& findings) const {
+    Map map;
+    for (ImageReport& image : images) {
+      if (!image.is_read) continue;
+      map.models.emplace_back(std::string(), 0.0, std::nullopt, std::move(image.view));
+    }
+    const auto floor = findFloor(map);
+    if (!floor) return line(console, "floor", "none that the images have in common");
+    const auto degrees = [](double deg) { return text::decimals(deg, 1) + " deg"; };
+    line(console, "floor",
+         fmt::format(
+             "{} below the camera (spread {:.0f} mm), which is tilted by {} and rolled by {}; in {} of {}",
+             metres(floor->height), 1000 * floor->height_std, degrees(floor->tilt_deg),
+             degrees(floor->roll_deg), floor->views, counted(floor->all_views, "image")));
+    if (!floor->steady || findings.in_doubt) return;
+    const CameraMounting found = floor->mounting();
+    std::string lines =
+        fmt::format("mount_height={:.3f} mount_tilt_deg={}", found.height, text::decimals(found.tilt_deg, 1));
+    if (found.roll_deg != 0) lines += fmt::format(" mount_roll_deg={:.1f}", found.roll_deg);
+    if (camera.mounting && !camera.mounting->agreesWith(found))
+      findings.add("the camera is not mounted as camera.ini says: the floor shows " + lines);
+    else if (!camera.mounting && hasDrivenOnFloor(poses, *floor))
+      findings.add("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
+  }
+
+  /** Empty if there are none, or none that can be read. */
+  Trajectory posesOf(const DepthSequence& sequence, const Console& console, Findings& findings) const {
+    try {
+      std::string remark;
+      Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
+      if (!remark.empty()) findings.add(remark);
+      if (!poses.empty()) return poses;
+      line(console, "poses", "none");
+    } catch (const IoError& e) {
+      line(console, "poses", "cannot be read");
+      findings.add(e.what());
+    }
+    return {};
+  }
+
+  MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Trajectory& poses) const {
+    MapMakingParams params;
+    params.view = depth_.view;
+    MapMaking making(camera, params);
+    making.setNumberOfThreads(threads());
+    if (!poses.empty()) making.setPosesByTime([&poses](double stamp) { return poses.interpolated(stamp); });
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+      making.add(mapImage(sequence, i, depth_.width, poses.at(sequence.frames()[i].stamp, pose_tolerance_)));
+    return making;
+  }
+
+  void reportPoses(const DepthSequence& sequence, const Trajectory& poses, MapMaking& making,
+                   const Console& console, Findings& findings) const {
+    const std::size_t all = sequence.frames().size();
+    std::size_t posed = 0;
+    for (std::size_t i = 0; i < all; ++i) posed += making.pose(i).has_value();
+    line(console, "poses",
+         fmt::format("{} from {:.3f} to {:.3f} s; {} of {} have one", poses.poses().size(),
+                     poses.poses().front().stamp, poses.poses().back().stamp, counted(posed, "image"), all));
+    if (static_cast<double>(posed) < kLeastPosed * static_cast<double>(all))
+      findings.add(fmt::format(
+          "most images have no pose within {:.9g} s: do both clocks show the same time (--time-offset)? Is "
+          "--pose-tolerance too small?",
+          pose_tolerance_));
+    if (posed == 0 || findings.impossible) return;
+    if (canBeReadAgain(sequence)) making.checkPoses();
+    const PoseCheck check = making.findings().poses.value_or(PoseCheck());
+    if (check.isKnown()) {
+      line(console, "",
+           "they disagree with the motions that the images show by " + check.as_given.toString());
+      for (const std::string& words : check.ratiosInWords()) line(console, "", words);
+      if (!check.cause.empty()) findings.doubt(check.cause + adviceOnPoses(check), false);
+      if (check.isBeyondSense())
+        findings.doubt(
+            "no map can be made with these poses: --without-poses lets facetloc_map build find its own",
+            true);
+    }
+    line(console, "map",
+         fmt::format("facetloc_map build will make about {} with these poses",
+                     counted(making.places().size(), "local model")));
+  }
+
+  int execute(const CommandLine& command, const Console& console) override {
+    const DepthSequence sequence = DepthSequence::open(input_, depth_.recording);
+    const Camera camera = depth_.camera(sequence.camera(), command);
+    const std::size_t all = sequence.frames().size(), n = std::min(all, kMostImages);
+    std::vector<ImageReport> images(n);
+    Batch batch(threads(), n, console);
+    std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, depth_.view, depth_.width));
+    const auto index = [&](std::size_t i) { return i * all / n; };
+    batch.run([&](std::size_t i) { return sequence.frames()[index(i)].path.string(); },
+              [&](std::size_t i, int worker) {
+                DepthImage image = sequence.load(index(i));
+                ImageReport& report = images[i];
+                report.camera = image.camera;
+                const std::size_t step = std::max<std::size_t>(1, image.depth.size() / kPixelsOfImage);
+                std::size_t measured = 0;
+                for (std::size_t p = 0; p < image.depth.size(); ++p) {
+                  const bool is_measured = isMeasured(image.depth[p]);
+                  measured += is_measured;
+                  if (is_measured && p % step == 0) report.depth.push_back(image.depth[p]);
+                }
+                report.measured = static_cast<double>(measured) / static_cast<double>(image.depth.size());
+                dropBeyond(camera.max_depth, image);
+                report.noise = noiseSamples(image);
+                report.view = builders[worker].build(image);
+                report.is_read = true;
+              });
+    const int code = batch.report();
+    if (std::none_of(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; }))
+      throw IoError(input_, "none of its images can be read");
+
+    Findings findings;
+    for (const std::string& remark : sequence.remarks()) findings.add(remark);
+    reportValues(sequence, findings);
+    reportImages(sequence, images, console, findings);
+    reportCamera(sequence, images, console);
+    const Trajectory poses = posesOf(sequence, console, findings);
+    MapMaking making = makingOf(sequence, camera, poses);
+    MapWatch watch(console);
+    making.setProgress(watch.callback());
+    reportSurfaces(sequence, making, console, findings);
+    if (poses.empty())
+      line(console, "map", "facetloc_map build will find the trajectory from the images");
+    else
+      reportPoses(sequence, poses, making, console, findings);
+    reportFloor(images, camera, poses, console, findings);
+    reportNoise(images, console, findings);
+    for (std::size_t i = 0; i < findings.notes.size(); ++i)
+      console.out << (i == 0 ? "note\n" : "") << "- " << findings.notes[i] << "\n";
+    if (findings.impossible) {
+      console.out << "the recording cannot be right as it is read; facetloc_map build refuses it\n";
+      return kFailed;
+    }
+    console.out << "next: facetloc_map build " << input_ << " -o MAP.flmap\n";
+    return code;
+  }
+
+  std::string input_, poses_;
+  DepthInput depth_;
+  double pose_tolerance_ = 0.02;
+};
+
 }  // namespace
 
-struct CheckApp::ImageReport {
-  bool is_read = false;
-  Intrinsics camera;         // camera of the whole image
-  double measured = 0;       // share of its pixels
-  std::vector<float> depth;  // sampled pixels
-  std::vector<NoiseSample> noise;
-  View view;
-};
-
-struct CheckApp::Findings {
-  std::vector<std::string> notes;  // sentences, printed in this order
-  bool in_doubt = false;           // the images, or their poses: nothing is to be derived from them
-  bool impossible = false;         // the recording cannot be right as it is read
-
-  void add(std::string note) { notes.push_back(std::move(note)); }
-  void doubt(std::string note, bool is_impossible) {
-    add(std::move(note));
-    in_doubt = true;
-    impossible = impossible || is_impossible;
-  }
-};
-
-CheckApp::CheckApp()
-    : App("facetloc_check", "RECORDING [options]",
-          "Checks a recording and how it is read: layout, times, camera, noise over range, share of measured "
-          "pixels, agreement of poses and images, the camera's mounting above the floor, and the map to "
-          "expect of facetloc_map build. Reads up to 200 images, evenly spread. Writes no files. Exits with "
-          "1 if the recording cannot be right as it is read.") {}
-
-void CheckApp::addOptions(CommandLine& line) {
-  line.addArgument("RECORDING", input_);
-  line.addOption("poses", poses_, "FILE", "Check these poses instead of those of the RECORDING.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
-  line.addCheck([this] { requireTolerance(pose_tolerance_); });
-  addRecordingOptions(line, depth_.recording);
-  depth_.addOptions(line);
-  line.addExample("walk", "the content of walk, and faults");
-  line.addExample("walk --poses poses.csv", "whether these poses fit its images");
-}
-
-void CheckApp::reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,
-                            const Console& console, Findings& findings) const {
-  const auto& frames = sequence.frames();
-  line(console, "recording", fmt::format("{}, {}", counted(frames.size(), "image"), sequence.layout()));
-  if (sequence.stamped() && frames.size() > 1) {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < frames.size(); ++i) steps.push_back(frames[i].stamp - frames[i - 1].stamp);
-    const double usual = internal::median(steps), longest = *std::max_element(steps.begin(), steps.end());
-    line(console, "times",
-         fmt::format("{:.3f} to {:.3f} s, {:.3g} images per second, longest gap {:.3g} s",
-                     frames.front().stamp, frames.back().stamp, 1 / usual, longest));
-    if (longest > kLongGap)
-      findings.add(fmt::format(
-          "between some images there are more than {:.2g} s: without poses, a trajectory may break there",
-          kLongGap));
-  } else if (!sequence.stamped()) {
-    findings.add("the images have no times, so that poses cannot be matched with them; name them by their "
-                 "times in seconds, or add a depth.txt");
-  }
-  std::vector<float> depth;
-  double measured = 0, segments = 0;
-  std::size_t n = 0;
-  for (const ImageReport& image : images) {
-    if (!image.is_read) continue;
-    ++n;
-    measured += image.measured;
-    segments += static_cast<double>(image.view.segments.size());
-    depth.insert(depth.end(), image.depth.begin(), image.depth.end());
-  }
-  measured /= static_cast<double>(n), segments /= static_cast<double>(n);
-  if (depth.empty()) {
-    line(console, "depth", "nothing is measured");
-    findings.add("no pixel is measured: look at the images, and at depth_scale");
-    return;
-  }
-  const double median = quantile(depth, 0.5);
-  line(console, "depth",
-       fmt::format("{} of the pixels are measured; 98 % of them from {} to {}, median {}", percent(measured),
-                   metres(quantile(depth, 0.01)), metres(quantile(depth, 0.99)), metres(median)));
-  const CameraPreset* preset = sequence.camera() ? findCameraPreset(sequence.camera()->preset) : nullptr;
-  if (!findings.in_doubt && (median < kLeastMedian || median > kMostMedian))
-    findings.doubt(fmt::format("half of the depths are {} {}, as no room has it: is depth_scale right? "
-                               "(--depth-scale tries another one)",
-                               median < kLeastMedian ? "below" : "above", metres(median)),
-                   false);
-  else if (preset && median < preset->min_depth)
-    findings.doubt(
-        fmt::format("half of the depths are below {}, nearer than a {} measures: is depth_scale right? "
-                    "(--depth-scale tries another one)",
-                    metres(median), preset->name),
-        false);
-  else if (measured < kFewMeasured)
-    findings.add(
-        "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
-        "not its only mark for that");
-  line(console, "planes", fmt::format("{:.1f} segments in an image", segments));
-  if (segments < kFewSegments) findings.add("the images show few planes: such places are easily confused");
-}
-
-void CheckApp::reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
-                            const Console& console) const {
-  const auto first =
-      std::find_if(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; });
-  line(console, "camera", toString(first->camera));
-  const auto& file = sequence.camera();
-  if (!file) return line(console, "", "by the points of the clouds");
-  const bool is_png = sequence.frames().front().path.extension() == ".png";
-  const Camera& camera = file->camera;
-  std::string words = is_png ? fmt::format("{:.6g} PNG values per metre", file->depth_scale) : "";
-  const auto add = [&words](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
-  if (!file->preset.empty()) add(std::string("a ") + file->preset);
-  if (std::isfinite(camera.max_depth)) add("measures up to " + metres(camera.max_depth));
-  if (camera.mounting) add("mounted " + facetloc::toString(*camera.mounting));
-  if (!words.empty()) line(console, "", words);
-}
-
-void CheckApp::reportValues(const DepthSequence& sequence, Findings& findings) const {
-  if (!sequence.camera()) return;
-  const ValueCheck check = checkValues(depthValues(sequence), sequence.camera()->depth_scale);
-  for (const std::string& fault : check.faults) findings.doubt(fault, check.impossible);
-  const std::string of_optics = opticsFault(sequence.camera()->camera.intrinsics);
-  if (!of_optics.empty()) findings.doubt(of_optics, true);
-}
-
-void CheckApp::reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
-                              Findings& findings) const {
-  if (findings.impossible || !canBeReadAgain(sequence)) return;
-  making.checkGeometry();
-  const GeometryCheck& check = *making.findings().geometry;
-  for (const ReadingFault& fault : check.faults) findings.doubt(fault.words, fault.impossible);
-  if (check.surfaces > 0)
-    line(console, "surfaces",
-         fmt::format("{} in {} are flat{}", counted(check.surfaces, "large one"),
-                     counted(check.images, "image"), check.faults.empty() ? "" : ", but see below"));
-}
-
-void CheckApp::reportNoise(std::vector<ImageReport>& images, const Console& console,
-                           const Findings& findings) const {
-  if (findings.in_doubt) return line(console, "noise", "not known while the images are in doubt");
-  std::vector<NoiseSample> samples;
-  for (const ImageReport& image : images)
-    samples.insert(samples.end(), image.noise.begin(), image.noise.end());
-  const std::vector<NoiseBin> bins = binned(std::move(samples));
-  if (bins.empty()) return line(console, "noise", "not known: too few flat places");
-  console.out << "noise\n";
-  printNoise(console.out, bins);
-}
-
-void CheckApp::reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
-                           const Console& console, Findings& findings) const {
-  Map map;
-  for (ImageReport& image : images) {
-    if (!image.is_read) continue;
-    map.models.emplace_back(std::string(), 0.0, std::nullopt, std::move(image.view));
-  }
-  const auto floor = findFloor(map);
-  if (!floor) return line(console, "floor", "none that the images have in common");
-  const auto degrees = [](double deg) { return text::decimals(deg, 1) + " deg"; };
-  line(console, "floor",
-       fmt::format(
-           "{} below the camera (spread {:.0f} mm), which is tilted by {} and rolled by {}; in {} of {}",
-           metres(floor->height), 1000 * floor->height_std, degrees(floor->tilt_deg),
-           degrees(floor->roll_deg), floor->views, counted(floor->all_views, "image")));
-  if (!floor->steady || findings.in_doubt) return;
-  const CameraMounting found = floor->mounting();
-  std::string lines =
-      fmt::format("mount_height={:.3f} mount_tilt_deg={}", found.height, text::decimals(found.tilt_deg, 1));
-  if (found.roll_deg != 0) lines += fmt::format(" mount_roll_deg={:.1f}", found.roll_deg);
-  if (camera.mounting && !camera.mounting->agreesWith(found))
-    findings.add("the camera is not mounted as camera.ini says: the floor shows " + lines);
-  else if (!camera.mounting && hasDrivenOnFloor(poses, *floor))
-    findings.add("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
-}
-
-/** Empty if there are none, or none that can be read. */
-Trajectory CheckApp::posesOf(const DepthSequence& sequence, const Console& console,
-                             Findings& findings) const {
-  try {
-    std::string remark;
-    Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
-    if (!remark.empty()) findings.add(remark);
-    if (!poses.empty()) return poses;
-    line(console, "poses", "none");
-  } catch (const IoError& e) {
-    line(console, "poses", "cannot be read");
-    findings.add(e.what());
-  }
-  return {};
-}
-
-MapMaking CheckApp::makingOf(const DepthSequence& sequence, const Camera& camera,
-                             const Trajectory& poses) const {
-  MapMakingParams params;
-  params.view = depth_.view;
-  MapMaking making(camera, params);
-  making.setNumberOfThreads(threads());
-  if (!poses.empty()) making.setPosesByTime([&poses](double stamp) { return poses.interpolated(stamp); });
-  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-    making.add(mapImage(sequence, i, depth_.width, poses.at(sequence.frames()[i].stamp, pose_tolerance_)));
-  return making;
-}
-
-void CheckApp::reportPoses(const DepthSequence& sequence, const Trajectory& poses, MapMaking& making,
-                           const Console& console, Findings& findings) const {
-  const std::size_t all = sequence.frames().size();
-  std::size_t posed = 0;
-  for (std::size_t i = 0; i < all; ++i) posed += making.pose(i).has_value();
-  line(console, "poses",
-       fmt::format("{} from {:.3f} to {:.3f} s; {} of {} have one", poses.poses().size(),
-                   poses.poses().front().stamp, poses.poses().back().stamp, counted(posed, "image"), all));
-  if (static_cast<double>(posed) < kLeastPosed * static_cast<double>(all))
-    findings.add(fmt::format(
-        "most images have no pose within {:.9g} s: do both clocks show the same time (--time-offset)? Is "
-        "--pose-tolerance too small?",
-        pose_tolerance_));
-  if (posed == 0 || findings.impossible) return;
-  if (canBeReadAgain(sequence)) making.checkPoses();
-  const PoseCheck check = making.findings().poses.value_or(PoseCheck());
-  if (check.isKnown()) {
-    line(console, "", "they disagree with the motions that the images show by " + check.as_given.toString());
-    for (const std::string& words : check.ratiosInWords()) line(console, "", words);
-    if (!check.cause.empty()) findings.doubt(check.cause + adviceOnPoses(check), false);
-    if (check.isBeyondSense())
-      findings.doubt(
-          "no map can be made with these poses: --without-poses lets facetloc_map build find its own", true);
-  }
-  line(console, "map",
-       fmt::format("facetloc_map build will make about {} with these poses",
-                   counted(making.places().size(), "local model")));
-}
-
-int CheckApp::execute(const CommandLine& command, const Console& console) {
-  const DepthSequence sequence = DepthSequence::open(input_, depth_.recording);
-  const Camera camera = depth_.camera(sequence.camera(), command);
-  const std::size_t all = sequence.frames().size(), n = std::min(all, kMostImages);
-  std::vector<ImageReport> images(n);
-  Batch batch(threads(), n, console);
-  std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, depth_.view, depth_.width));
-  const auto index = [&](std::size_t i) { return i * all / n; };
-  batch.run([&](std::size_t i) { return sequence.frames()[index(i)].path.string(); },
-            [&](std::size_t i, int worker) {
-              DepthImage image = sequence.load(index(i));
-              ImageReport& report = images[i];
-              report.camera = image.camera;
-              const std::size_t step = std::max<std::size_t>(1, image.depth.size() / kPixelsOfImage);
-              std::size_t measured = 0;
-              for (std::size_t p = 0; p < image.depth.size(); ++p) {
-                const bool is_measured = isMeasured(image.depth[p]);
-                measured += is_measured;
-                if (is_measured && p % step == 0) report.depth.push_back(image.depth[p]);
-              }
-              report.measured = static_cast<double>(measured) / static_cast<double>(image.depth.size());
-              dropBeyond(camera.max_depth, image);
-              report.noise = noiseSamples(image);
-              report.view = builders[worker].build(image);
-              report.is_read = true;
-            });
-  const int code = batch.report();
-  if (std::none_of(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; }))
-    throw IoError(input_, "none of its images can be read");
-
-  Findings findings;
-  for (const std::string& remark : sequence.remarks()) findings.add(remark);
-  reportValues(sequence, findings);
-  reportImages(sequence, images, console, findings);
-  reportCamera(sequence, images, console);
-  const Trajectory poses = posesOf(sequence, console, findings);
-  MapMaking making = makingOf(sequence, camera, poses);
-  MapWatch watch(console);
-  making.setProgress(watch.callback());
-  reportSurfaces(sequence, making, console, findings);
-  if (poses.empty())
-    line(console, "map", "facetloc_map build will find the trajectory from the images");
-  else
-    reportPoses(sequence, poses, making, console, findings);
-  reportFloor(images, camera, poses, console, findings);
-  reportNoise(images, console, findings);
-  for (std::size_t i = 0; i < findings.notes.size(); ++i)
-    console.out << (i == 0 ? "note\n" : "") << "- " << findings.notes[i] << "\n";
-  if (findings.impossible) {
-    console.out << "the recording cannot be right as it is read; facetloc_map build refuses it\n";
-    return kFailed;
-  }
-  console.out << "next: facetloc_map build " << input_ << " -o MAP.flmap\n";
-  return code;
-}
+std::unique_ptr<App> checkApp() { return std::make_unique<CheckApp>(); }
 
 }  // namespace facetloc

@@ -2,7 +2,7 @@
 #include "tools/front.h"
 
 #include "cli/spelling.h"
-#include "tools/try_app.h"
+#include "cli/tools.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -67,7 +67,7 @@ int runFront(const std::vector<std::string>& arguments, Console console, const s
   const std::vector<std::string> rest(arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end());
   if (command == "--help" || command == "-h" || command == "help") return console.print(usage()), kOk;
   if (command == "--version") return console.print(versionText() + "\n"), kOk;
-  if (command == "try") return TryApp().run(rest, console);
+  if (command == "try") return tryApp()->run(rest, console);
   const auto& all = frontCommands();
   if (std::none_of(all.begin(), all.end(), [&](const FrontCommand& c) { return c.name == command; })) {
     console.error(

@@ -1,31 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/localize_app.h"
-
 #include "base/text.h"
 #include "batch/batch.h"
+#include "batch/shared_batch.h"
 #include "cli/milliseconds.h"
 #include "cli/progress.h"
 #include "cli/stop_signal.h"
 #include "cli/text.h"
+#include "cli/tools.h"
 #include "drawing/outputs.h"
+#include "inputs/depth_input.h"
+#include "inputs/gravity_option.h"
 #include "inputs/localization_options.h"
 #include "inputs/odometry_file.h"
 #include "inputs/start_option.h"
 #include "outputs/localization_hints.h"
 #include "outputs/localization_report.h"
 #include "outputs/pose_stream.h"
+#include "outputs/provenance.h"
+#include "tools/drive.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
+#include <facetloc/io/results.h>
+#include <facetloc/localization/localizer.h>
 
 #include <algorithm>
 #include <chrono>
 #include <fmt/core.h>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
+#include <ostream>
 #include <set>
 #include <utility>
 
@@ -89,327 +97,354 @@ FrameResult failedFrame(const FrameFile& file, const std::string& reason) {
 
 bool hasFailed(const FrameResult& result) { return result.timing.models == 0; }
 
+/** facetloc_localize: finds depth images in a map, in batch. */
+class LocalizeApp : public App {
+public:
+  LocalizeApp()
+      : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
+            "Finds where depth images were taken in a map. INPUT is a recording: a folder, a list (.txt, "
+            ".lst) or one image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or "
+            "output of facetloc_segment. RESULTS/hypotheses.csv lists the ranked poses of each image, "
+            "RESULTS/poses_tum.txt the sure ones. Images that cannot be localized are listed with the "
+            "reason. Under mpirun, its processes share the images.") {}
+
+private:
+  using ImageBatch = SharedBatch<std::vector<std::size_t>, LocalizedImage>;
+  /** Hands out the answer to a frame as soon as it is final. */
+  using Publish = std::function<void(std::size_t frame, const FrameResult& result)>;
+
+  /** The images and the map. */
+  struct Task {
+    DepthSequence sequence;
+    std::shared_ptr<const Map> map;
+    Camera camera;
+    PosesByTime odometry{};    // odometry of the camera; may be empty
+    std::string params_ini{};  // parameters that the results depend on
+
+    const std::vector<FrameFile>& frames() const { return sequence.frames(); }
+    std::vector<ResultFrame> resultFrames() const {
+      std::vector<ResultFrame> all;
+      for (const FrameFile& file : frames()) all.push_back({file.name, file.stamp});
+      return all;
+    }
+  };
+
+  /** The work on them. */
+  struct Run {
+    std::vector<FrameResult> results;     // one per image
+    std::vector<std::size_t> todo;        // images
+    std::optional<ResultsWriter> writer;  // nothing if all is done already
+    std::vector<ViewTraits> views{};      // one per image of this run
+
+    /** Are the images that are still to be done the last ones? */
+    bool inOrder() const { return todo.empty() || todo.front() + todo.size() == results.size(); }
+  };
+
+  void addOptions(CommandLine& line) override {
+    line.addArgument("MAP.flmap", map_);
+    line.addArgument("INPUT", input_path_);
+    line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
+    line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of hypotheses per image.");
+    addMinProbability(line, min_probability_);
+    line.addSwitch(
+        "sequence", is_sequence_,
+        "Treat the images as one drive: localize each by all images up to it, which resolves ambiguities.");
+    addMapCovers(line, map_covers_, localization_.probability);
+    addStartOption(line, near_);
+    line.addOption("odometry", odometry_, "FILE", "With --sequence: odometry, poses that drift (ROBOT.md).");
+    gravity_.addOptions(line);
+    line.addSwitch("smooth", smooth_, "With --sequence: localize each image also by the images after it.");
+    addStreamOption(line, streams_);
+    line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
+    line.addPresets();
+    addRecordingOptions(line, input_.recording);
+    input_.addOptions(line);
+    line.rareFromHere();
+    line.addOption(
+        "starts", starts_, "N",
+        "With --sequence: also start at every N-th image and record the answers after it in starts.csv.");
+    addLocalizationOptions(line, localization_);
+    line.addParams(localizer_, "localizer");
+    line.addParams(odometry_error_, "odometry_error");
+    line.addExample("office.flmap walk -o results", "each image on its own");
+    line.addExample("office.flmap walk -o results --sequence", "as one drive");
+  }
+
+  /** Results of an earlier run of the same images with the same map and parameters, by name. */
+  std::map<std::string, FrameResult> earlierResults(const Provenance& provenance) const {
+    const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
+    if (!before) return {};
+    std::map<std::string, FrameResult> earlier;
+    if (isResultsFolder(folder_)) earlier = readResults(folder_);
+    std::vector<std::string> done;
+    for (const auto& [frame, result] : earlier)
+      if (provenance.images.count(frame) && !hasFailed(result)) done.push_back(frame);
+    before->requireSame(provenance, done, folder_);
+    return earlier;
+  }
+
+  /** Begins a run, or goes on with an earlier one. The folder is left alone if all is done already
+   * and nothing else is in it. */
+  Run begin(const Task& task) const {
+    for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
+    const Provenance provenance{task.params_ini, imageSizes(task.sequence)};
+    const auto earlier = earlierResults(provenance);
+    const std::vector<ResultFrame> frames = task.resultFrames();
+    Run run{std::vector<FrameResult>(frames.size()), {}, {}};
+    std::vector<ResultFrame> kept;
+    std::size_t others = earlier.size();  // images that no longer exist
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const auto found = earlier.find(frames[i].name);
+      if (found != earlier.end()) --others;
+      if (found == earlier.end() || hasFailed(found->second)) {
+        run.todo.push_back(i);
+        continue;
+      }
+      kept.push_back(frames[i]);
+      run.results[i] = found->second;
+      run.results[i].stamp = frames[i].stamp;
+    }
+    if (run.todo.empty() && others == 0) return run;
+    run.writer.emplace(folder_, task.params_ini, kept);
+    provenance.write(folder_);
+    return run;
+  }
+
+  /** \param drive if the images are one */
+  ImageBatch::Work imageWork(const Task& task, const std::vector<std::size_t>& images, int workers,
+                             Drive* drive) const {
+    const bool is_alone = task.frames().size() == 1;  // else several images are localized at a time
+    const Locate locate = drive ? asOneDrive(*drive)
+                                : eachByItself(std::make_shared<const Localizer>(
+                                      newLocalizer(task.map, is_alone ? threads() : 1)));
+    const auto builders =
+        std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(task.camera, input_.view));
+    const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& {
+      return task.frames()[images[i]];
+    };
+    return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
+            [this, &task, images, locate, builders, fileOf](std::size_t i, int worker) {
+              ViewBuilder& builder = (*builders)[worker];
+              const View scene =
+                  viewOf(task.sequence, images[i], input_.width, builder, gravity_.at(fileOf(i).stamp));
+              return localizeFrame(fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
+            }};
+  }
+
+  /** \param localized the images of the drive */
+  void smooth(const Task& task, Run& run, const std::vector<std::size_t>& localized, const Drive& drive,
+              const Console& console) const {
+    Progress progress(console, localized.size());
+    const StopSignal stop;
+    std::size_t done = 0;
+    const std::vector<Localization> answers = drive.smoothed([&] {
+      if (stop.raised()) throw Stopped(done, localized.size());
+      ++done;
+      progress.step();
+    });
+    for (std::size_t i = 0; i < localized.size(); ++i)
+      run.results[localized[i]].rows =
+          resultRows(task.frames()[localized[i]].name, answers[i], *task.map, max_hypotheses_);
+  }
+
+  /** The images one after the other, several at a time. \param drive that smoothes, if any */
+  void localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive, const Publish& publish,
+                const Console& console) const {
+    const auto finish = [&](std::size_t frame) {
+      run.writer->append(run.results[frame]);
+      publish(frame, run.results[frame]);
+    };
+    std::vector<std::size_t> localized;
+    batch.run(run.todo, run.todo.size(),
+              [&](std::size_t i, std::optional<LocalizedImage>&& image, const std::string& reason) {
+                FrameResult& result = run.results[run.todo[i]];
+                if (image) run.views.push_back(image->second), localized.push_back(run.todo[i]);
+                result = image ? std::move(image->first) : failedFrame(task.frames()[run.todo[i]], reason);
+                if (!smooth_) finish(run.todo[i]);  // else it is not the last word
+              });
+    if (smooth_) {
+      smooth(task, run, localized, *drive, console);
+      for (const std::size_t frame : run.todo) finish(frame);
+    }
+    std::vector<double> noise;
+    for (const ViewTraits& of_image : run.views) noise.push_back(of_image.noise);
+    noteNoise(std::move(noise), task.camera.noise, console);
+  }
+
+  Localizer newLocalizer(const std::shared_ptr<const Map>& map, int threads) const {
+    Localizer localizer(map, localizer_, localization_);
+    localizer.setNumberOfThreads(threads);
+    localizer.setMinProbability(min_probability_);
+    return localizer;
+  }
+
+  MeasuredMotion measuredMotion(const Task& task) const {
+    return {task.odometry, task.camera.mounting, odometry_error_};
+  }
+
+  /** Every N-th image is a start. Its drive ends after kMostWay, as far as the camera can tell, or
+   * with the images. \return the exit code. */
+  int localizeFromStarts(const Task& task, const Console& console) const {
+    constexpr double kMostWay = 10;  // [m]
+    const std::vector<FrameFile>& frames = task.frames();
+    std::vector<View> views(frames.size());
+    Batch seeing(threads(), frames.size(), console);
+    std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(task.camera, input_.view));
+    seeing.run([&](std::size_t i) { return frames[i].path.string(); },
+               [&](std::size_t i, int worker) {
+                 views[i] =
+                     viewOf(task.sequence, i, input_.width, builders[worker], gravity_.at(frames[i].stamp));
+               });
+    const std::size_t n = (frames.size() + starts_ - 1) / starts_;
+    std::vector<std::vector<StartAnswer>> found(n);
+    Batch batch(threads(), n, console);
+    std::vector<Localizer> drives;
+    for (int worker = 0; worker < batch.workers(); ++worker) drives.push_back(newLocalizer(task.map, 1));
+    batch.run([&](std::size_t k) { return "start " + frames[k * starts_].name; },
+              [&](std::size_t k, int worker) {
+                Localizer& from_here = drives[worker];
+                from_here.reset();
+                MeasuredMotion motion = measuredMotion(task);
+                double way = 0;
+                for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
+                  const Localization answer =
+                      from_here.update(views[i], frames[i].stamp, motion.until(frames[i].stamp));
+                  way += answer.T_before_now.T.translation().norm();
+                  StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
+                  if (!answer.hypotheses.empty()) {
+                    out.probability = answer.hypotheses.front().probability;
+                    if (task.map->partOf(answer.hypotheses.front().model).empty())
+                      out.T_w_c = answer.hypotheses.front().T_w_c;
+                  }
+                  found[k].push_back(std::move(out));
+                }
+              });
+    std::vector<StartAnswer> all;
+    for (std::vector<StartAnswer>& of_start : found)
+      std::move(of_start.begin(), of_start.end(), std::back_inserter(all));
+    writeStarts(folder_, all);
+    console.print(fmt::format("{} in {}/starts.csv\n", counted(n, "start"), folder_));
+    return std::max(seeing.report(), batch.report());
+  }
+
+  void printSummary(const Run& run, const Map& map, const Console& console) const {
+    StateCounts states;
+    std::size_t timed = 0;
+    double milliseconds = 0;
+    for (const FrameResult& result : run.results) {
+      states.add(result.rows.front().state);
+      timed += result.timing.sum() > 0;  // others failed
+      milliseconds += result.timing.sum();
+    }
+    std::string words;
+    for (const std::string& hint : whatToLookAt(states, run.views, map)) words += hint + "\n";
+    console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread; results in {}\n", words,
+                              toString(states), is_sequence_ ? firstSure(run.results) : "",
+                              milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), folder_));
+  }
+
+  /** The parameters that the results depend on. */
+  std::string paramsIni(const std::optional<CameraFile>& file, const Camera& camera, const Map& map) const {
+    return fmt::format("# {}, map {} of {}, checksum {}\n", versionText(), fs::path(map_).filename().string(),
+                       counted(map.models.size(), "local model"), checksum(map_)) +
+           cameraLine(file) +
+           fmt::format("max-hypotheses = {}\nmin-probability = {}\n", max_hypotheses_,
+                       text::shortest(min_probability_)) +
+           (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") +
+           (near_.empty() ? "" : "near = " + near_ + "\n") +
+           (odometry_.empty() ? "" : "odometry = " + odometry_ + "\n") + gravity_.toIni() +
+           toIni(input_, camera) + localizationIni(localization_) +
+           (is_sequence_ ? "\n" + toIni(localizer_, "localizer") : "") +
+           (odometry_.empty() ? "" : "\n" + toIni(odometry_error_, "odometry_error"));
+  }
+
+  int execute(const CommandLine& line, const Console& console) override {
+    return streams_ ? localizeAll(line, besideStream(console), &console.out)
+                    : localizeAll(line, console, nullptr);
+  }
+
+  void requireSense() const {
+    if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
+    if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+    if (starts_ < 0) throw UsageError("starts must not be negative");
+    if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
+    if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
+    if (!near_.empty() && !is_sequence_) throw UsageError("--near goes with --sequence");
+    if (!odometry_.empty() && !is_sequence_) throw UsageError("--odometry goes with --sequence");
+    startPose(near_, {});
+    if (is_sequence_ && resume_)
+      throw UsageError(
+          "--sequence does not go with --resume: its answers need all images before; run it anew");
+    if (is_sequence_ && localization_.score.by_overlap)
+      throw UsageError("--sequence does not go with --score.by_overlap, which --preset paper sets: overlaps "
+                       "have no probabilities");
+  }
+
+  /** \param out where answers are streamed to; null = nowhere */
+  int localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
+    requireSense();
+    Provenance::requireNotReplaced(input_path_, folder_);
+    if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
+    input_.recording.segments = true;
+    DepthSequence sequence = openSequence(input_path_, input_.recording, console);
+    const auto map = std::make_shared<const Map>(openMap(map_));
+    noteUnfinished(*map, map_, console);
+    if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
+    const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
+    noteDifference(camera, *map, console);
+    gravity_.read(sequence, console);
+    PosesByTime odometry = odometryByTime(odometry_, sequence, camera.mounting, console);
+    noteWithoutOdometry(sequence, odometry, console);
+    Task task{std::move(sequence), map, camera, std::move(odometry)};
+    std::optional<Drive> drive;
+    if (is_sequence_) {
+      Localizer localizer = newLocalizer(map, threads());
+      if (const auto start = startPose(near_, camera.mounting)) localizer.setPose(*start);
+      drive.emplace(std::move(localizer), measuredMotion(task), smooth_);
+    }
+    const int at_a_time = drive ? 1 : threads();  // a drive has an order
+    ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {
+      return imageWork(task, images, workers, drive ? &*drive : nullptr);
+    });
+    if (batch.helped()) return kOk;
+
+    createFolders(folder_);
+    const OutputLock lock = OutputLock::ofFolder(folder_);
+    task.params_ini = paramsIni(task.sequence.camera(), camera, *map);
+    Run run = begin(task);
+    writeInputs(folder_, task.sequence.frames());
+    std::optional<PoseStream> stream;
+    if (out) stream.emplace(*out, camera.mounting);
+    const Publish publish = [&stream](std::size_t frame, const FrameResult& result) {
+      if (stream) stream->put(frame, result);
+    };
+    const std::set<std::size_t> undone(run.todo.begin(), run.todo.end());
+    for (std::size_t i = 0; i < run.results.size(); ++i)
+      if (!undone.count(i)) publish(i, run.results[i]);  // localized by an earlier run
+    localize(task, run, batch, drive ? &*drive : nullptr, publish, console);
+    const int code = batch.report();
+    if (!run.inOrder()) run.writer.emplace(folder_, task.params_ini, task.resultFrames());
+    printSummary(run, *map, console);
+    fs::remove(fs::path(folder_) / "starts.csv");  // left by an earlier run
+    return starts_ == 0 ? code : std::max(code, localizeFromStarts(task, console));
+  }
+
+  bool dealsOut() const override { return !is_sequence_ && !streams_; }
+
+  std::string map_, input_path_, folder_, map_covers_, near_, odometry_;
+  int max_hypotheses_ = 100;
+  double min_probability_ = kMinProbability;
+  bool resume_ = false, streams_ = false, is_sequence_ = false, smooth_ = false;
+  int starts_ = 0;
+  DepthInput input_;
+  GravityOption gravity_;
+  OdometryError odometry_error_;
+  GlobalLocalizationParams localization_;
+  LocalizerParams localizer_;
+};
+
 }  // namespace
 
-struct LocalizeApp::Task {
-  DepthSequence sequence;
-  std::shared_ptr<const Map> map;
-  Camera camera;
-  PosesByTime odometry{};    // odometry of the camera; may be empty
-  std::string params_ini{};  // parameters that the results depend on
-
-  const std::vector<FrameFile>& frames() const { return sequence.frames(); }
-  std::vector<ResultFrame> resultFrames() const {
-    std::vector<ResultFrame> all;
-    for (const FrameFile& file : frames()) all.push_back({file.name, file.stamp});
-    return all;
-  }
-};
-
-struct LocalizeApp::Run {
-  std::vector<FrameResult> results;     // one per image
-  std::vector<std::size_t> todo;        // images
-  std::optional<ResultsWriter> writer;  // nothing if all is done already
-  std::vector<ViewTraits> views{};      // one per image of this run
-
-  /** Are the images that are still to be done the last ones? */
-  bool inOrder() const { return todo.empty() || todo.front() + todo.size() == results.size(); }
-};
-
-LocalizeApp::LocalizeApp()
-    : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
-          "Finds where depth images were taken in a map. INPUT is a recording: a folder, a list (.txt, .lst) "
-          "or one image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or output "
-          "of facetloc_segment. RESULTS/hypotheses.csv lists the ranked poses of each image, "
-          "RESULTS/poses_tum.txt the sure ones. Images that cannot be localized are listed with the reason. "
-          "Under mpirun, its processes share the images.") {}
-
-void LocalizeApp::addOptions(CommandLine& line) {
-  line.addArgument("MAP.flmap", map_);
-  line.addArgument("INPUT", input_path_);
-  line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
-  line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of hypotheses per image.");
-  addMinProbability(line, min_probability_);
-  line.addSwitch(
-      "sequence", is_sequence_,
-      "Treat the images as one drive: localize each by all images up to it, which resolves ambiguities.");
-  addMapCovers(line, map_covers_, localization_.probability);
-  addStartOption(line, near_);
-  line.addOption("odometry", odometry_, "FILE", "With --sequence: odometry, poses that drift (ROBOT.md).");
-  gravity_.addOptions(line);
-  line.addSwitch("smooth", smooth_, "With --sequence: localize each image also by the images after it.");
-  addStreamOption(line, streams_);
-  line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
-  line.addPresets();
-  addRecordingOptions(line, input_.recording);
-  input_.addOptions(line);
-  line.rareFromHere();
-  line.addOption(
-      "starts", starts_, "N",
-      "With --sequence: also start at every N-th image and record the answers after it in starts.csv.");
-  addLocalizationOptions(line, localization_);
-  line.addParams(localizer_, "localizer");
-  line.addParams(odometry_error_, "odometry_error");
-  line.addExample("office.flmap walk -o results", "each image on its own");
-  line.addExample("office.flmap walk -o results --sequence", "as one drive");
-}
-
-/** Results of an earlier run of the same images with the same map and parameters, by name. */
-std::map<std::string, FrameResult> LocalizeApp::earlierResults(const Provenance& provenance) const {
-  const auto before = resume_ ? Provenance::read(folder_) : std::nullopt;
-  if (!before) return {};
-  std::map<std::string, FrameResult> earlier;
-  if (isResultsFolder(folder_)) earlier = readResults(folder_);
-  std::vector<std::string> done;
-  for (const auto& [frame, result] : earlier)
-    if (provenance.images.count(frame) && !hasFailed(result)) done.push_back(frame);
-  before->requireSame(provenance, done, folder_);
-  return earlier;
-}
-
-/** Begins a run, or goes on with an earlier one. The folder is left alone if all is done already
- * and nothing else is in it. */
-LocalizeApp::Run LocalizeApp::begin(const Task& task) const {
-  for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
-  const Provenance provenance{task.params_ini, imageSizes(task.sequence)};
-  const auto earlier = earlierResults(provenance);
-  const std::vector<ResultFrame> frames = task.resultFrames();
-  Run run{std::vector<FrameResult>(frames.size()), {}, {}};
-  std::vector<ResultFrame> kept;
-  std::size_t others = earlier.size();  // images that no longer exist
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto found = earlier.find(frames[i].name);
-    if (found != earlier.end()) --others;
-    if (found == earlier.end() || hasFailed(found->second)) {
-      run.todo.push_back(i);
-      continue;
-    }
-    kept.push_back(frames[i]);
-    run.results[i] = found->second;
-    run.results[i].stamp = frames[i].stamp;
-  }
-  if (run.todo.empty() && others == 0) return run;
-  run.writer.emplace(folder_, task.params_ini, kept);
-  provenance.write(folder_);
-  return run;
-}
-
-/** \param drive if the images are one */
-LocalizeApp::ImageBatch::Work LocalizeApp::imageWork(const Task& task, const std::vector<std::size_t>& images,
-                                                     int workers, Drive* drive) const {
-  const bool is_alone = task.frames().size() == 1;  // else several images are localized at a time
-  const Locate locate =
-      drive
-          ? asOneDrive(*drive)
-          : eachByItself(std::make_shared<const Localizer>(newLocalizer(task.map, is_alone ? threads() : 1)));
-  const auto builders =
-      std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(task.camera, input_.view));
-  const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& { return task.frames()[images[i]]; };
-  return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
-          [this, &task, images, locate, builders, fileOf](std::size_t i, int worker) {
-            ViewBuilder& builder = (*builders)[worker];
-            const View scene =
-                viewOf(task.sequence, images[i], input_.width, builder, gravity_.at(fileOf(i).stamp));
-            return localizeFrame(fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
-          }};
-}
-
-/** \param localized the images of the drive */
-void LocalizeApp::smooth(const Task& task, Run& run, const std::vector<std::size_t>& localized,
-                         const Drive& drive, const Console& console) const {
-  Progress progress(console, localized.size());
-  const StopSignal stop;
-  std::size_t done = 0;
-  const std::vector<Localization> answers = drive.smoothed([&] {
-    if (stop.raised()) throw Stopped(done, localized.size());
-    ++done;
-    progress.step();
-  });
-  for (std::size_t i = 0; i < localized.size(); ++i)
-    run.results[localized[i]].rows =
-        resultRows(task.frames()[localized[i]].name, answers[i], *task.map, max_hypotheses_);
-}
-
-/** The images one after the other, several at a time. \param drive that smoothes, if any */
-void LocalizeApp::localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive,
-                           const Publish& publish, const Console& console) const {
-  const auto finish = [&](std::size_t frame) {
-    run.writer->append(run.results[frame]);
-    publish(frame, run.results[frame]);
-  };
-  std::vector<std::size_t> localized;
-  batch.run(run.todo, run.todo.size(),
-            [&](std::size_t i, std::optional<LocalizedImage>&& image, const std::string& reason) {
-              FrameResult& result = run.results[run.todo[i]];
-              if (image) run.views.push_back(image->second), localized.push_back(run.todo[i]);
-              result = image ? std::move(image->first) : failedFrame(task.frames()[run.todo[i]], reason);
-              if (!smooth_) finish(run.todo[i]);  // else it is not the last word
-            });
-  if (smooth_) {
-    smooth(task, run, localized, *drive, console);
-    for (const std::size_t frame : run.todo) finish(frame);
-  }
-  std::vector<double> noise;
-  for (const ViewTraits& of_image : run.views) noise.push_back(of_image.noise);
-  noteNoise(std::move(noise), task.camera.noise, console);
-}
-
-Localizer LocalizeApp::newLocalizer(const std::shared_ptr<const Map>& map, int threads) const {
-  Localizer localizer(map, localizer_, localization_);
-  localizer.setNumberOfThreads(threads);
-  localizer.setMinProbability(min_probability_);
-  return localizer;
-}
-
-MeasuredMotion LocalizeApp::measuredMotion(const Task& task) const {
-  return {task.odometry, task.camera.mounting, odometry_error_};
-}
-
-/** Every N-th image is a start. Its drive ends after kMostWay, as far as the camera can tell, or
- * with the images. \return the exit code. */
-int LocalizeApp::localizeFromStarts(const Task& task, const Console& console) const {
-  constexpr double kMostWay = 10;  // [m]
-  const std::vector<FrameFile>& frames = task.frames();
-  std::vector<View> views(frames.size());
-  Batch seeing(threads(), frames.size(), console);
-  std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(task.camera, input_.view));
-  seeing.run([&](std::size_t i) { return frames[i].path.string(); },
-             [&](std::size_t i, int worker) {
-               views[i] =
-                   viewOf(task.sequence, i, input_.width, builders[worker], gravity_.at(frames[i].stamp));
-             });
-  const std::size_t n = (frames.size() + starts_ - 1) / starts_;
-  std::vector<std::vector<StartAnswer>> found(n);
-  Batch batch(threads(), n, console);
-  std::vector<Localizer> drives;
-  for (int worker = 0; worker < batch.workers(); ++worker) drives.push_back(newLocalizer(task.map, 1));
-  batch.run([&](std::size_t k) { return "start " + frames[k * starts_].name; },
-            [&](std::size_t k, int worker) {
-              Localizer& from_here = drives[worker];
-              from_here.reset();
-              MeasuredMotion motion = measuredMotion(task);
-              double way = 0;
-              for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
-                const Localization answer =
-                    from_here.update(views[i], frames[i].stamp, motion.until(frames[i].stamp));
-                way += answer.T_before_now.T.translation().norm();
-                StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
-                if (!answer.hypotheses.empty()) {
-                  out.probability = answer.hypotheses.front().probability;
-                  if (task.map->partOf(answer.hypotheses.front().model).empty())
-                    out.T_w_c = answer.hypotheses.front().T_w_c;
-                }
-                found[k].push_back(std::move(out));
-              }
-            });
-  std::vector<StartAnswer> all;
-  for (std::vector<StartAnswer>& of_start : found)
-    std::move(of_start.begin(), of_start.end(), std::back_inserter(all));
-  writeStarts(folder_, all);
-  console.print(fmt::format("{} in {}/starts.csv\n", counted(n, "start"), folder_));
-  return std::max(seeing.report(), batch.report());
-}
-
-void LocalizeApp::printSummary(const Run& run, const Map& map, const Console& console) const {
-  StateCounts states;
-  std::size_t timed = 0;
-  double milliseconds = 0;
-  for (const FrameResult& result : run.results) {
-    states.add(result.rows.front().state);
-    timed += result.timing.sum() > 0;  // others failed
-    milliseconds += result.timing.sum();
-  }
-  std::string words;
-  for (const std::string& hint : whatToLookAt(states, run.views, map)) words += hint + "\n";
-  console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread; results in {}\n", words,
-                            toString(states), is_sequence_ ? firstSure(run.results) : "",
-                            milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), folder_));
-}
-
-/** The parameters that the results depend on. */
-std::string LocalizeApp::paramsIni(const std::optional<CameraFile>& file, const Camera& camera,
-                                   const Map& map) const {
-  return fmt::format("# {}, map {} of {}, checksum {}\n", versionText(), fs::path(map_).filename().string(),
-                     counted(map.models.size(), "local model"), checksum(map_)) +
-         cameraLine(file) +
-         fmt::format("max-hypotheses = {}\nmin-probability = {}\n", max_hypotheses_,
-                     text::shortest(min_probability_)) +
-         (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") +
-         (near_.empty() ? "" : "near = " + near_ + "\n") +
-         (odometry_.empty() ? "" : "odometry = " + odometry_ + "\n") + gravity_.toIni() +
-         toIni(input_, camera) + localizationIni(localization_) +
-         (is_sequence_ ? "\n" + toIni(localizer_, "localizer") : "") +
-         (odometry_.empty() ? "" : "\n" + toIni(odometry_error_, "odometry_error"));
-}
-
-int LocalizeApp::execute(const CommandLine& line, const Console& console) {
-  return streams_ ? localizeAll(line, besideStream(console), &console.out)
-                  : localizeAll(line, console, nullptr);
-}
-
-void LocalizeApp::requireSense() const {
-  if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
-  if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
-  if (starts_ < 0) throw UsageError("starts must not be negative");
-  if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
-  if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
-  if (!near_.empty() && !is_sequence_) throw UsageError("--near goes with --sequence");
-  if (!odometry_.empty() && !is_sequence_) throw UsageError("--odometry goes with --sequence");
-  startPose(near_, {});
-  if (is_sequence_ && resume_)
-    throw UsageError("--sequence does not go with --resume: its answers need all images before; run it anew");
-  if (is_sequence_ && localization_.score.by_overlap)
-    throw UsageError("--sequence does not go with --score.by_overlap, which --preset paper sets: overlaps "
-                     "have no probabilities");
-}
-
-/** \param out where answers are streamed to; null = nowhere */
-int LocalizeApp::localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
-  requireSense();
-  Provenance::requireNotReplaced(input_path_, folder_);
-  if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
-  input_.recording.segments = true;
-  DepthSequence sequence = openSequence(input_path_, input_.recording, console);
-  const auto map = std::make_shared<const Map>(openMap(map_));
-  noteUnfinished(*map, map_, console);
-  if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
-  const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
-  noteDifference(camera, *map, console);
-  gravity_.read(sequence, console);
-  PosesByTime odometry = odometryByTime(odometry_, sequence, camera.mounting, console);
-  noteWithoutOdometry(sequence, odometry, console);
-  Task task{std::move(sequence), map, camera, std::move(odometry)};
-  std::optional<Drive> drive;
-  if (is_sequence_) {
-    Localizer localizer = newLocalizer(map, threads());
-    if (const auto start = startPose(near_, camera.mounting)) localizer.setPose(*start);
-    drive.emplace(std::move(localizer), measuredMotion(task), smooth_);
-  }
-  const int at_a_time = drive ? 1 : threads();  // a drive has an order
-  ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {
-    return imageWork(task, images, workers, drive ? &*drive : nullptr);
-  });
-  if (batch.helped()) return kOk;
-
-  createFolders(folder_);
-  const OutputLock lock = OutputLock::ofFolder(folder_);
-  task.params_ini = paramsIni(task.sequence.camera(), camera, *map);
-  Run run = begin(task);
-  writeInputs(folder_, task.sequence.frames());
-  std::optional<PoseStream> stream;
-  if (out) stream.emplace(*out, camera.mounting);
-  const Publish publish = [&stream](std::size_t frame, const FrameResult& result) {
-    if (stream) stream->put(frame, result);
-  };
-  const std::set<std::size_t> undone(run.todo.begin(), run.todo.end());
-  for (std::size_t i = 0; i < run.results.size(); ++i)
-    if (!undone.count(i)) publish(i, run.results[i]);  // localized by an earlier run
-  localize(task, run, batch, drive ? &*drive : nullptr, publish, console);
-  const int code = batch.report();
-  if (!run.inOrder()) run.writer.emplace(folder_, task.params_ini, task.resultFrames());
-  printSummary(run, *map, console);
-  fs::remove(fs::path(folder_) / "starts.csv");  // left by an earlier run
-  return starts_ == 0 ? code : std::max(code, localizeFromStarts(task, console));
-}
+std::unique_ptr<App> localizeApp() { return std::make_unique<LocalizeApp>(); }
 
 }  // namespace facetloc

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/map_apps.h"
-
 #include "base/text.h"
 #include "batch/map_watch.h"
 #include "cli/text.h"
+#include "cli/tools.h"
+#include "inputs/depth_input.h"
 #include "outputs/map_completion.h"
 #include "outputs/provenance.h"
-#include "tools/map_calibrate_app.h"
-#include "tools/map_densify_app.h"
-#include "tools/map_extend_app.h"
-#include "tools/map_model_app.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/rendered_views.h>
@@ -17,9 +13,11 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/output_lock.h>
+#include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
@@ -215,244 +213,293 @@ std::vector<ColouredPolygon> polygonsOf(const Map& map, const std::string& path)
   return polygons;
 }
 
-}  // namespace
+/** facetloc_map info: the content of a map, for people. */
+class MapInfoApp : public App {
+public:
+  MapInfoApp()
+      : App("facetloc_map info", "MAP.flmap",
+            "Prints the content of a map and how it was made, on one screen.") {}
 
-MapInfoApp::MapInfoApp()
-    : App("facetloc_map info", "MAP.flmap",
-          "Prints the content of a map and how it was made, on one screen.") {}
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArgument("MAP.flmap", map_);
+    line.addSwitch("all", all_, "Also print the parameters it was made with.");
+    line.addExample("office.flmap", "on one screen");
+    line.addExample("office.flmap --all", "with its parameters");
+  }
 
-void MapInfoApp::addOptions(CommandLine& line) {
-  line.addArgument("MAP.flmap", map_);
-  line.addSwitch("all", all_, "Also print the parameters it was made with.");
-  line.addExample("office.flmap", "on one screen");
-  line.addExample("office.flmap --all", "with its parameters");
-}
+  int execute(const CommandLine&, const Console& console) override {
+    const Map map = openMap(map_);
+    printSummary(console.out, map);
+    console.out << "\n";
+    printMeta(console.out, map, all_);
+    console.out << "\nmap: " << map_ << ", " << fs::file_size(map_) / 1024 << " KiB\n";
+    return kOk;
+  }
 
-int MapInfoApp::execute(const CommandLine&, const Console& console) {
-  const Map map = openMap(map_);
-  printSummary(console.out, map);
-  console.out << "\n";
-  printMeta(console.out, map, all_);
-  console.out << "\nmap: " << map_ << ", " << fs::file_size(map_) / 1024 << " KiB\n";
-  return kOk;
-}
+  std::string map_;
+  bool all_ = false;
+};
 
-MapCheckApp::MapCheckApp()
-    : App("facetloc_map check", "MAP.flmap",
-          "Checks every value in a map file. Lists all faults and exits with 1 if it is invalid.") {}
+/** facetloc_map check: proves a map sound, or lists its faults. */
+class MapCheckApp : public App {
+public:
+  MapCheckApp()
+      : App("facetloc_map check", "MAP.flmap",
+            "Checks every value in a map file. Lists all faults and exits with 1 if it is invalid.") {}
 
-void MapCheckApp::addOptions(CommandLine& line) {
-  line.addArgument("MAP.flmap", map_);
-  line.addExample("office.flmap", "valid, or a list of faults");
-  line.addExample("office.flmap --quiet", "for scripts: the exit code is the result");
-}
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArgument("MAP.flmap", map_);
+    line.addExample("office.flmap", "valid, or a list of faults");
+    line.addExample("office.flmap --quiet", "for scripts: the exit code is the result");
+  }
 
-int MapCheckApp::execute(const CommandLine&, const Console& console) {
-  std::vector<std::string> faults = checkMap(map_);
-  if (faults.empty()) faults = placeIndexFaults(map_);
-  if (faults.empty()) noteUnfinished(openMap(map_), map_, console);
-  for (const std::string& fault : faults) console.print(fault + "\n");
-  console.print(fmt::format("{}: {}\n", map_, faults.empty() ? "sound" : counted(faults.size(), "fault")));
-  return faults.empty() ? kOk : kFailed;
-}
+  int execute(const CommandLine&, const Console& console) override {
+    std::vector<std::string> faults = checkMap(map_);
+    if (faults.empty()) faults = placeIndexFaults(map_);
+    if (faults.empty()) noteUnfinished(openMap(map_), map_, console);
+    for (const std::string& fault : faults) console.print(fault + "\n");
+    console.print(fmt::format("{}: {}\n", map_, faults.empty() ? "sound" : counted(faults.size(), "fault")));
+    return faults.empty() ? kOk : kFailed;
+  }
 
-MapExportApp::MapExportApp()
-    : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE | --ply FILE | --grid NAME",
-          "Exports a map for other programs. DIR gets models/<name>.pcd (SegmentFrame clouds, each in its "
-          "model's frame), poses_tum.txt and graph.g2o. After another program has optimized the graph, "
-          "'facetloc_map import' reads its poses back.") {}
+  std::string map_;
+};
 
-void MapExportApp::addOptions(CommandLine& line) {
-  line.addArgument("MAP.flmap", map_);
-  line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
-  line.addOption("g2o", graph_, "FILE", "Write local models and links in g2o's format.");
-  line.addOption("ply", polygons_, "FILE",
-                 "Write the outlines of all segments, coloured by direction. Coordinates are in the world, "
-                 "or in the largest part of a map without one.");
-  line.addOption("grid", grid_, "NAME",
-                 "Write an occupancy grid for a 2-D robot, NAME.yaml and NAME.pgm for ROS's map_server. "
-                 "Upright segments are occupied, space that the images have seen is free.");
-  line.addParams(grid_params_, "grid", CommandLine::Shown::in_help);
-  line.addExample("office.flmap -o exported", "clouds of segments and trajectory");
-  line.addExample("office.flmap --g2o office.g2o", "for a pose graph optimizer");
-}
+/** facetloc_map export: a map for other programs. */
+class MapExportApp : public App {
+public:
+  MapExportApp()
+      : App("facetloc_map export", "MAP.flmap -o DIR | --g2o FILE | --ply FILE | --grid NAME",
+            "Exports a map for other programs. DIR gets models/<name>.pcd (SegmentFrame clouds, each in its "
+            "model's frame), poses_tum.txt and graph.g2o. After another program has optimized the graph, "
+            "'facetloc_map import' reads its poses back.") {}
 
-void MapExportApp::writeGrid(const Map& map, const Console& console) const try {
-  const OccupancyGrid grid = gridOf(map, grid_params_);
-  const fs::path path = occupancyGridPath(grid_);
-  if (path.has_parent_path()) createFolders(path.parent_path());
-  writeOccupancyGrid(path, grid);
-  console.print(fmt::format("floor plan of {:.1f} x {:.1f} m in {}\n", grid.width * grid.resolution,
-                            grid.height * grid.resolution, path.string()));
-} catch (const IoError&) {
-  throw;
-} catch (const std::runtime_error& e) {
-  throw IoError(map_, fmt::format("cannot be made into a floor plan: {}", e.what()));
-}
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArgument("MAP.flmap", map_);
+    line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
+    line.addOption("g2o", graph_, "FILE", "Write local models and links in g2o's format.");
+    line.addOption("ply", polygons_, "FILE",
+                   "Write the outlines of all segments, coloured by direction. Coordinates are in the world, "
+                   "or in the largest part of a map without one.");
+    line.addOption("grid", grid_, "NAME",
+                   "Write an occupancy grid for a 2-D robot, NAME.yaml and NAME.pgm for ROS's map_server. "
+                   "Upright segments are occupied, space that the images have seen is free.");
+    line.addParams(grid_params_, "grid", CommandLine::Shown::in_help);
+    line.addExample("office.flmap -o exported", "clouds of segments and trajectory");
+    line.addExample("office.flmap --g2o office.g2o", "for a pose graph optimizer");
+  }
 
-int MapExportApp::execute(const CommandLine&, const Console& console) {
-  if (folder_.empty() && graph_.empty() && polygons_.empty() && grid_.empty())
-    throw UsageError("there is nothing to export: give -o DIR, --g2o FILE, --ply FILE or --grid NAME");
-  const Map map = openMap(map_);
-  if (!graph_.empty()) writeGraph(graph_, map);
-  if (!polygons_.empty()) writePolygons(polygons_, polygonsOf(map, map_));
-  if (!grid_.empty()) writeGrid(map, console);
-  if (!folder_.empty()) exportMap(map, folder_);
-  console.print(fmt::format("{} exported{}{}{}\n", counted(map.models.size(), "local model"),
-                            folder_.empty() ? "" : "; files in " + folder_,
-                            graph_.empty() ? "" : "; graph in " + graph_,
-                            polygons_.empty() ? "" : "; polygons in " + polygons_));
-  return kOk;
-}
+  void writeGrid(const Map& map, const Console& console) const try {
+    const OccupancyGrid grid = gridOf(map, grid_params_);
+    const fs::path path = occupancyGridPath(grid_);
+    if (path.has_parent_path()) createFolders(path.parent_path());
+    writeOccupancyGrid(path, grid);
+    console.print(fmt::format("floor plan of {:.1f} x {:.1f} m in {}\n", grid.width * grid.resolution,
+                              grid.height * grid.resolution, path.string()));
+  } catch (const IoError&) {
+    throw;
+  } catch (const std::runtime_error& e) {
+    throw IoError(map_, fmt::format("cannot be made into a floor plan: {}", e.what()));
+  }
 
-MapImportApp::MapImportApp()
-    : App("facetloc_map import", "MAP.flmap --g2o FILE -o OUT.flmap",
-          "Copies a map with new poses of its local models from a g2o file (VERTEX_SE3:QUAT, numbered as by "
-          "'facetloc_map export --g2o'). Links are kept. Parts without a link to the world keep their own "
-          "frames.") {}
+  int execute(const CommandLine&, const Console& console) override {
+    if (folder_.empty() && graph_.empty() && polygons_.empty() && grid_.empty())
+      throw UsageError("there is nothing to export: give -o DIR, --g2o FILE, --ply FILE or --grid NAME");
+    const Map map = openMap(map_);
+    if (!graph_.empty()) writeGraph(graph_, map);
+    if (!polygons_.empty()) writePolygons(polygons_, polygonsOf(map, map_));
+    if (!grid_.empty()) writeGrid(map, console);
+    if (!folder_.empty()) exportMap(map, folder_);
+    console.print(fmt::format("{} exported{}{}{}\n", counted(map.models.size(), "local model"),
+                              folder_.empty() ? "" : "; files in " + folder_,
+                              graph_.empty() ? "" : "; graph in " + graph_,
+                              polygons_.empty() ? "" : "; polygons in " + polygons_));
+    return kOk;
+  }
 
-void MapImportApp::addOptions(CommandLine& line) {
-  line.addArgument("MAP.flmap", map_);
-  line.addOption("g2o", graph_, "FILE", "Poses of the local models.");
-  line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
-  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
-  line.addExample("office.flmap --g2o office.g2o -o moved.flmap", "poses of another program");
-  line.addExample("office.flmap --g2o office.g2o -o office.flmap --overwrite", "in its place");
-}
+  std::string map_, folder_, graph_, polygons_, grid_;
+  MapGridParams grid_params_;
+};
 
-int MapImportApp::execute(const CommandLine&, const Console& console) {
-  if (graph_.empty()) throw UsageError("the file with the poses is missing: --g2o FILE");
-  Map map;
-  const auto made = [&]() -> const Map& {
-    map = readMap(map_);
-    noteUnfinished(map, map_, console);
-    readGraphPoses(graph_, map);
-    return map;
-  };
-  writeNewMap(output_, overwrite_, threads(), console, made);
-  const auto posed = std::count_if(map.models.begin(), map.models.end(),
-                                   [](const LocalModel& m) { return m.givenPose().has_value(); });
-  console.out << counted(static_cast<std::size_t>(posed), "pose") << " of "
-              << counted(map.models.size(), "local model") << "; map in " << output_ << "\n";
-  return kOk;
-}
+/** facetloc_map import: a copy of a map with the poses that another program has found. */
+class MapImportApp : public App {
+public:
+  MapImportApp()
+      : App("facetloc_map import", "MAP.flmap --g2o FILE -o OUT.flmap",
+            "Copies a map with new poses of its local models from a g2o file (VERTEX_SE3:QUAT, numbered as "
+            "by 'facetloc_map export --g2o'). Links are kept. Parts without a link to the world keep their "
+            "own frames.") {}
 
-MapMergeApp::MapMergeApp()
-    : App("facetloc_map merge", "A.flmap B.flmap ... -o OUT.flmap",
-          "Merges the local models and links of several maps. Each map is aligned with the earlier ones by "
-          "localizing its views in them; maps in the same world frame stay where they are. With "
-          "--same-coordinates, as for the floors of a house, nothing is aligned. Names that occur more than "
-          "once are prefixed by the name of their map.") {}
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArgument("MAP.flmap", map_);
+    line.addOption("g2o", graph_, "FILE", "Poses of the local models.");
+    line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
+    line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
+    line.addExample("office.flmap --g2o office.g2o -o moved.flmap", "poses of another program");
+    line.addExample("office.flmap --g2o office.g2o -o office.flmap --overwrite", "in its place");
+  }
 
-void MapMergeApp::addOptions(CommandLine& line) {
-  line.addArguments("MAPS", maps_);
-  line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
-  line.addSwitch("same-coordinates", same_coordinates_,
-                 "Keep all poses: the maps share a world frame, even without a common place.");
-  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
-  line.addExample("east.flmap west.flmap -o house.flmap", "aligned by what they share");
-  line.addExample("a.flmap b.flmap -o c.flmap --same-coordinates", "in one world frame");
-}
+  int execute(const CommandLine&, const Console& console) override {
+    if (graph_.empty()) throw UsageError("the file with the poses is missing: --g2o FILE");
+    Map map;
+    const auto made = [&]() -> const Map& {
+      map = readMap(map_);
+      noteUnfinished(map, map_, console);
+      readGraphPoses(graph_, map);
+      return map;
+    };
+    writeNewMap(output_, overwrite_, threads(), console, made);
+    const auto posed = std::count_if(map.models.begin(), map.models.end(),
+                                     [](const LocalModel& m) { return m.givenPose().has_value(); });
+    console.out << counted(static_cast<std::size_t>(posed), "pose") << " of "
+                << counted(map.models.size(), "local model") << "; map in " << output_ << "\n";
+    return kOk;
+  }
 
-int MapMergeApp::execute(const CommandLine&, const Console& console) {
-  Map merged;
-  writeNewMap(output_, overwrite_, threads(), console, [&]() -> const Map& {
-    merged = merge(console);
-    return merged;
-  });
-  console.out << counted(merged.models.size(), "local model") << ", " << counted(merged.links.size(), "link")
-              << "; map in " << output_ << "\n";
-  return kOk;
-}
+  std::string map_, graph_, output_;
+  bool overwrite_ = false;
+};
 
-/** Throws IoError for a map that is not found in those before it. */
-void MapMergeApp::align(std::vector<Map>& maps, const Console& console) const {
-  MapWatch watch(console);
-  const std::vector<MapAlignment> alignments = alignMaps(maps, threads(), watch.callback());
-  for (std::size_t i = 0; i < alignments.size(); ++i) {
-    const MapAlignment& alignment = alignments[i];
-    if (alignment.tried.empty()) continue;
-    if (alignment.isLost()) {
-      std::string tried;
-      for (const auto& [k, place] : alignment.tried)
-        tried += fmt::format("; in {}, {}", maps_[k], place.toString());
-      throw IoError(maps_[i],
-                    fmt::format("is not found in the maps before it{}; --same-coordinates merges maps "
-                                "that share a world frame as they are",
-                                tried));
+/** facetloc_map merge: the local models of several maps in one, in one world. */
+class MapMergeApp : public App {
+public:
+  MapMergeApp()
+      : App("facetloc_map merge", "A.flmap B.flmap ... -o OUT.flmap",
+            "Merges the local models and links of several maps. Each map is aligned with the earlier ones by "
+            "localizing its views in them; maps in the same world frame stay where they are. With "
+            "--same-coordinates, as for the floors of a house, nothing is aligned. Names that occur more "
+            "than once are prefixed by the name of their map.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("MAPS", maps_);
+    line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
+    line.addSwitch("same-coordinates", same_coordinates_,
+                   "Keep all poses: the maps share a world frame, even without a common place.");
+    line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
+    line.addExample("east.flmap west.flmap -o house.flmap", "aligned by what they share");
+    line.addExample("a.flmap b.flmap -o c.flmap --same-coordinates", "in one world frame");
+  }
+
+  int execute(const CommandLine&, const Console& console) override {
+    Map merged;
+    writeNewMap(output_, overwrite_, threads(), console, [&]() -> const Map& {
+      merged = merge(console);
+      return merged;
+    });
+    console.out << counted(merged.models.size(), "local model") << ", "
+                << counted(merged.links.size(), "link") << "; map in " << output_ << "\n";
+    return kOk;
+  }
+
+  /** Throws IoError for a map that is not found in those before it. */
+  void align(std::vector<Map>& maps, const Console& console) const {
+    MapWatch watch(console);
+    const std::vector<MapAlignment> alignments = alignMaps(maps, threads(), watch.callback());
+    for (std::size_t i = 0; i < alignments.size(); ++i) {
+      const MapAlignment& alignment = alignments[i];
+      if (alignment.tried.empty()) continue;
+      if (alignment.isLost()) {
+        std::string tried;
+        for (const auto& [k, place] : alignment.tried)
+          tried += fmt::format("; in {}, {}", maps_[k], place.toString());
+        throw IoError(maps_[i],
+                      fmt::format("is not found in the maps before it{}; --same-coordinates merges maps "
+                                  "that share a world frame as they are",
+                                  tried));
+      }
+      const auto& [k, place] = alignment.tried.back();
+      console.out << fmt::format("{} is found in {} ({}) and {}\n", maps_[i], maps_[k], place.toString(),
+                                 alignment.moved ? "moves by " + toString(alignment.T_new_old)
+                                                 : "stays where it is");
     }
-    const auto& [k, place] = alignment.tried.back();
-    console.out << fmt::format("{} is found in {} ({}) and {}\n", maps_[i], maps_[k], place.toString(),
-                               alignment.moved ? "moves by " + toString(alignment.T_new_old)
-                                               : "stays where it is");
   }
-}
 
-Map MapMergeApp::merge(const Console& console) const {
-  std::vector<Map> maps;
-  std::vector<std::string> stems;
-  for (const std::string& path : maps_) {
-    Map& map = maps.emplace_back(readMap(path));
-    noteUnfinished(map, path, console);
-    for (const char* key : {"format", "conventions", kImagesKey})
-      map.meta.erase(key);  // set by the file itself
-    stems.push_back(fs::path(path).stem().string());
+  Map merge(const Console& console) const {
+    std::vector<Map> maps;
+    std::vector<std::string> stems;
+    for (const std::string& path : maps_) {
+      Map& map = maps.emplace_back(readMap(path));
+      noteUnfinished(map, path, console);
+      for (const char* key : {"format", "conventions", kImagesKey})
+        map.meta.erase(key);  // set by the file itself
+      stems.push_back(fs::path(path).stem().string());
+    }
+    if (!same_coordinates_) align(maps, console);
+    Map merged = mergedMap(maps, stems);
+    merged.meta["software"] = versionText();
+    const auto hasMounting = [](const Map& map) { return map.camera.mounting.has_value(); };
+    if (!merged.camera.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
+      console.note("the maps differ in the camera's mounting; the merged one has none");
+    noteChosenDistortion(maps, maps_, console);
+    return merged;
   }
-  if (!same_coordinates_) align(maps, console);
-  Map merged = mergedMap(maps, stems);
-  merged.meta["software"] = versionText();
-  const auto hasMounting = [](const Map& map) { return map.camera.mounting.has_value(); };
-  if (!merged.camera.mounting && std::any_of(maps.begin(), maps.end(), hasMounting))
-    console.note("the maps differ in the camera's mounting; the merged one has none");
-  noteChosenDistortion(maps, maps_, console);
-  return merged;
+
+  std::vector<std::string> maps_;
+  std::string output_;
+  bool same_coordinates_ = false, overwrite_ = false;
+};
+
+struct MapCommand {
+  const char *name, *arguments, *what;
+  MakeApp* make;
+};
+constexpr MapCommand kMapCommands[] = {
+    {"build", "SEQUENCE -o MAP.flmap", "build a map from a recording", mapBuildApp},
+    {"from-model", "MODEL -o MAP.flmap", "build a map from a scan, mesh or plan of a building", mapModelApp},
+    {"extend", "MAP.flmap SEQUENCE", "update a map with a later recording", mapExtendApp},
+    {"densify", "MAP.flmap", "add rendered views beside the drive", mapDensifyApp},
+    {"calibrate", "MAP.flmap RECORDING", "find the minimum probability of sure answers", mapCalibrateApp},
+    {"info", "MAP.flmap", "print the content of a map", mapInfoApp},
+    {"check", "MAP.flmap", "check every value in a map file", mapCheckApp},
+    {"export", "MAP.flmap -o DIR", "write PCD, TUM and g2o files", mapExportApp},
+    {"import", "MAP.flmap -o OUT.flmap", "read new poses from a g2o file", mapImportApp},
+    {"merge", "MAPS -o OUT.flmap", "merge several maps into one", mapMergeApp}};
+
+std::string mapUsage() {
+  std::string names, commands;
+  for (const MapCommand& c : kMapCommands) {
+    names += (names.empty() ? "" : "|") + std::string(c.name);
+    commands += fmt::format("  {:29} {}\n", fmt::format("{} {}", c.name, c.arguments), c.what);
+  }
+  return fmt::format(
+      "Usage: facetloc_map {} ...\n\n{}\n'facetloc_map build --help' and so on show the options.\n", names,
+      commands);
 }
-
-namespace {
-
-constexpr const char* kMapUsage =
-    "Usage: facetloc_map build|from-model|extend|densify|calibrate|info|check|export|import|merge ...\n\n  "
-    "build SEQUENCE -o MAP.flmap   build a map from a recording\n  from-model MODEL -o MAP.flmap build a map "
-    "from a scan, mesh or plan of a building\n  extend MAP.flmap SEQUENCE     update a map with a later "
-    "recording\n  densify MAP.flmap             add rendered views beside the drive\n  calibrate MAP.flmap "
-    "RECORDING find the minimum probability of sure answers\n  info MAP.flmap                print the "
-    "content of a map\n  check MAP.flmap               check every value in a map file\n  export MAP.flmap "
-    "-o DIR       write PCD, TUM and g2o files\n  import MAP.flmap -o OUT.flmap read new poses from a g2o "
-    "file\n  merge MAPS -o OUT.flmap       merge several maps into one\n\n'facetloc_map build --help' and so "
-    "on show the options.\n";
 
 }  // namespace
 
 int runMapTool(const std::vector<std::string>& arguments, Console console) {
   const std::string command = arguments.empty() ? "" : arguments.front();
-  console.tool = "facetloc_map";
-  const auto run = [&](App&& app) { return app.run({arguments.begin() + 1, arguments.end()}, console); };
-  if (command == "build") return run(MapBuildApp());
-  if (command == "from-model") return run(MapModelApp());
-  if (command == "extend") return run(MapExtendApp());
-  if (command == "densify") return run(MapDensifyApp());
-  if (command == "calibrate") return run(MapCalibrateApp());
-  if (command == "info") return run(MapInfoApp());
-  if (command == "check") return run(MapCheckApp());
-  if (command == "export") return run(MapExportApp());
-  if (command == "import") return run(MapImportApp());
-  if (command == "merge") return run(MapMergeApp());
+  for (const MapCommand& c : kMapCommands)
+    if (command == c.name) return c.make()->run({arguments.begin() + 1, arguments.end()}, console);
 
+  console.tool = "facetloc_map";
   const auto isOption = [&](const std::string& name) {
     return command == "-" + name || command == "--" + name;
   };
   if (isOption("version")) {
     console.print(versionText() + "\n");
   } else if (isOption("help") || isOption("h")) {
-    console.print(kMapUsage);
+    console.print(mapUsage());
   } else {
     console.error((command.empty() ? "no command\n" : fmt::format("unknown command '{}'\n", command)) +
-                  kMapUsage);
+                  mapUsage());
     return kUsage;
   }
   if (console.out) return kOk;
   console.error("the output cannot be written");
   return kFailed;
 }
+
+std::unique_ptr<App> mapInfoApp() { return std::make_unique<MapInfoApp>(); }
+std::unique_ptr<App> mapCheckApp() { return std::make_unique<MapCheckApp>(); }
+std::unique_ptr<App> mapExportApp() { return std::make_unique<MapExportApp>(); }
+std::unique_ptr<App> mapImportApp() { return std::make_unique<MapImportApp>(); }
+std::unique_ptr<App> mapMergeApp() { return std::make_unique<MapMergeApp>(); }
 
 }  // namespace facetloc

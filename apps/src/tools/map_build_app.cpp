@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/batch.h"
 #include "batch/map_watch.h"
+#include "batch/shared_batch.h"
 #include "cli/text.h"
+#include "cli/tools.h"
+#include "inputs/depth_input.h"
+#include "inputs/gravity_option.h"
 #include "outputs/begun_map.h"
 #include "outputs/map_completion.h"
 #include "outputs/provenance.h"
-#include "tools/map_apps.h"
+#include "tools/image_trajectory.h"
 #include "tools/map_build_checks.h"
 
 #include <facetloc/io/error.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
+#include <facetloc/mapping/floor_plan.h>
+#include <facetloc/mapping/map_making.h>
 
 #include <algorithm>
 #include <fmt/core.h>
@@ -28,229 +35,251 @@ void removeWithoutModels(const fs::path& path) try {
 } catch (const std::exception&) {  // the error that ended the build is reported
 }
 
-}  // namespace
+/** facetloc_map build: one run of depth images -> a map. */
+class MapBuildApp : public App {
+public:
+  MapBuildApp()
+      : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
+            "Builds a map from a recording: local models, the planar segments of chosen images, and links "
+            "between them. Poses come from the recording, from --poses, or from the images.") {}
 
-/** Statistics of local models and their images. */
-struct MapBuildApp::Seen {
-  std::size_t added = 0, models = 0;
-  std::vector<double> noise;  // inverse-depth noise by image [1/m]
-  std::size_t without_segments = 0;
-};
+private:
+  using ModelBatch = SharedBatch<ModelsOrder, PackedModel>;
 
-MapBuildApp::MapBuildApp()
-    : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
-          "Builds a map from a recording: local models, the planar segments of chosen images, and links "
-          "between them. Poses come from the recording, from --poses, or from the images.") {}
-
-void MapBuildApp::addOptions(CommandLine& line) {
-  line.addArgument("SEQUENCE", sequence_);
-  line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
-  line.addOption("poses", poses_, "FILE",
-                 "Camera poses: stamp tx ty tz qx qy qz qw, or another format of RECORDINGS.md.");
-  line.addSwitch("without-poses", without_poses_,
-                 "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
-  line.addOption("trajectory", trajectory_, "OUT.txt",
-                 "Write the pose of each image used, in the TUM format.");
-  line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
-  line.addCheck([this] { requireTolerance(pose_tolerance_); });
-  gravity_.addOptions(line);
-  line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
-  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
-  line.addSwitch("resume", resume_, "Continue an existing map.");
-  line.addSwitch("raw-depth", raw_depth_, "Do not estimate and remove the depth distortion of the camera.");
-  line.addSwitch("force", force_, "Build the map even if images or poses are found to be wrong.");
-  line.addPresets();
-  addRecordingOptions(line, input_.recording);
-  input_.addOptions(line);
-  line.addParams(builder_, "map", CommandLine::Shown::in_help);
-  by_images_.addOptions(line);
-  line.addExample("walk -o office.flmap", "by the recording's poses, or by its images");
-  line.addExample("walk -o office.flmap --without-poses", "by its images alone");
-}
-
-MapMaking MapBuildApp::makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console) {
-  std::string remark;
-  if (!poses_.empty())
-    given_ = sequence.readPoses(poses_, &remark);
-  else if (!without_poses_)
-    given_ = sequence.groundTruth();
-  if (!remark.empty()) console.note(remark);
-  MapMakingParams params;
-  params.places = builder_;
-  params.trajectory = by_images_.params();
-  params.view = input_.view;
-  params.every = every_;
-  params.distortion = !raw_depth_;
-  MapMaking making(camera, params);
-  making.setNumberOfThreads(threads());
-  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-    making.add(mapImage(sequence, i, input_.width, given_.at(sequence.frames()[i].stamp, pose_tolerance_),
-                        gravity_.at(sequence.frames()[i].stamp)));
-  if (!given_.empty()) making.setPosesByTime([this](double stamp) { return given_.interpolated(stamp); });
-  return making;
-}
-
-/** \return kFailed if images could not be read. */
-int MapBuildApp::findTrajectory(const MapBuildChecks& checks, MapMaking& making) const {
-  const DepthSequence& sequence = checks.sequence;
-  const Console& console = checks.console;
-  if (!given_.empty() || every_ > 0 || !poses_.empty()) return kOk;
-  console.note("no poses are given: the trajectory is found from the images");
-  making.setOdometry(by_images_.odometry(sequence, making.camera(), console));
-  making.findTrajectory();
-  const int code = by_images_.report(making.findings(), sequence, console);
-  checks.noteTrajectory(*making.findings().trajectory);
-  return code;
-}
-
-void MapBuildApp::writeTrajectory(const DepthSequence& sequence, const MapMaking& making) const {
-  if (trajectory_.empty()) return;
-  std::vector<StampedPose> poses;
-  for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-    if (const auto T_w_c = making.pose(i)) poses.push_back({sequence.frames()[i].stamp, *T_w_c});
-  writeTumTrajectory(trajectory_, poses);
-}
-
-/** Throws IoError if there are none. */
-std::vector<MapPlace> MapBuildApp::placesOf(const DepthSequence& sequence, const MapMaking& making) const {
-  const bool asks_for_poses = !making.findings().trajectory && (every_ == 0 || !poses_.empty());
-  if (asks_for_poses && !sequence.stamped())
-    throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
-  if (asks_for_poses && every_ == 0 && given_.empty()) throw IoError(poses_, "has no poses");
-  std::vector<MapPlace> places = making.places();
-  if (places.empty())
-    throw IoError(sequence_, fmt::format("none of its images has a pose within {:.9g} s", pose_tolerance_));
-  return places;
-}
-
-MapBuildApp::ModelBatch::Work MapBuildApp::modelWork(const DepthSequence& sequence, Camera camera,
-                                                     const ModelsOrder& order, int workers) const {
-  camera.distortion = order.second;
-  const auto builders = std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(camera, input_.view));
-  const auto fileOf = [&sequence, images = order.first](std::size_t i) -> const FrameFile& {
-    return sequence.frames()[images[i]];
+  /** Statistics of local models and their images. */
+  struct Seen {
+    std::size_t added = 0, models = 0;
+    std::vector<double> noise;  // inverse-depth noise by image [1/m]
+    std::size_t without_segments = 0;
   };
-  return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
-          [this, &sequence, fileOf, builders, images = order.first](std::size_t i, int worker) {
-            return packed({fileOf(i).name, fileOf(i).stamp},
-                          (*builders)[worker].build(sequence.load(images[i], input_.width),
-                                                    gravity_.at(fileOf(i).stamp)));
-          }};
-}
 
-/** Adds the local models that are not there already, in order. \return the index of each place's. */
-std::vector<int> MapBuildApp::addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places,
-                                        const Camera& camera, ModelBatch& batch, MapFile& file,
-                                        Seen& seen) const {
-  std::map<std::string, int> present;
-  for (const std::string& name : file.modelNames()) present.emplace(name, static_cast<int>(present.size()));
-  std::vector<int> models(places.size(), -1);
-  std::vector<std::size_t> missing, images;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const auto found = present.find(sequence.frames()[places[i].image].name);
-    if (found != present.end()) {
-      models[i] = found->second;
-    } else {
-      missing.push_back(i);
-      images.push_back(places[i].image);
-    }
+  void addOptions(CommandLine& line) override {
+    line.addArgument("SEQUENCE", sequence_);
+    line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
+    line.addOption("poses", poses_, "FILE",
+                   "Camera poses: stamp tx ty tz qx qy qz qw, or another format of RECORDINGS.md.");
+    line.addSwitch("without-poses", without_poses_,
+                   "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
+    line.addOption("trajectory", trajectory_, "OUT.txt",
+                   "Write the pose of each image used, in the TUM format.");
+    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
+    line.addCheck([this] { requireTolerance(pose_tolerance_); });
+    gravity_.addOptions(line);
+    line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
+    line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
+    line.addSwitch("resume", resume_, "Continue an existing map.");
+    line.addSwitch("raw-depth", raw_depth_, "Do not estimate and remove the depth distortion of the camera.");
+    line.addSwitch("force", force_, "Build the map even if images or poses are found to be wrong.");
+    line.addPresets();
+    addRecordingOptions(line, input_.recording);
+    input_.addOptions(line);
+    line.addParams(builder_, "map", CommandLine::Shown::in_help);
+    by_images_.addOptions(line);
+    line.addExample("walk -o office.flmap", "by the recording's poses, or by its images");
+    line.addExample("walk -o office.flmap --without-poses", "by its images alone");
   }
-  seen.models = present.size();
-  batch.run({images, camera.distortion}, images.size(),
-            [&](std::size_t i, std::optional<PackedModel>&& built, const std::string&) {
-              if (!built) return;
-              built->model.T_w_m = places[missing[i]].T_w_m;
-              seen.noise.push_back(built->view.noise());
-              if (built->view.segments.empty()) {
-                ++seen.without_segments;
-                return;
-              }
-              models[missing[i]] = file.add(*built);
-              ++seen.added, ++seen.models;
-            });
-  return models;
-}
 
-/** \param path of the map until it is whole. \return the exit code. Throws IoError, and
- * leaves no map, if there would be nothing in it. */
-int MapBuildApp::build(const fs::path& path, const MapBuildChecks& checks,
-                       const std::vector<MapPlace>& places, MapMaking& making, ModelBatch& batch) const {
-  const DepthSequence& sequence = checks.sequence;
-  const Console& console = checks.console;
-  const std::string parameters = cameraLine(sequence.camera()) +
-                                 fmt::format("every = {}\nraw-depth = {:d}\n", every_, raw_depth_) +
-                                 gravity_.toIni() + toIni(input_, making.camera()) + toIni(builder_, "map") +
-                                 (making.findings().trajectory ? by_images_.toIni() : "");
-  const MapInputs inputs{map_, sequence_, sequence, places, parameters, disagreement_};
-  MapFile file(path,
-               resume_ ? resumeMap(path, inputs, making.camera())
-                       : beginMap(path, inputs, making.camera(), overwrite_),
-               console);
-  const bool begins = file.modelNames().empty();
-  Seen seen;
-  int code = kOk;
-  const bool made = making.finish(file, [&](const std::vector<MapPlace>& of_map) {
-    if (begins && !raw_depth_) checks.noteDistortion(making.findings());
-    const std::vector<int> models = addModels(sequence, of_map, making.camera(), batch, file, seen);
-    code = batch.report();
-    checks.noteWithoutPose(making);
-    if (seen.without_segments > 0)
-      console.note(counted(seen.without_segments, "image") + " without segments left out");
-    noteNoise(seen.noise, making.camera().noise, console);
-    return models;
-  });
-  if (!made) {
-    fs::remove(path);
-    throw IoError(map_, "is not written: none of the images makes a local model");
+  MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console) {
+    std::string remark;
+    if (!poses_.empty())
+      given_ = sequence.readPoses(poses_, &remark);
+    else if (!without_poses_)
+      given_ = sequence.groundTruth();
+    if (!remark.empty()) console.note(remark);
+    MapMakingParams params;
+    params.places = builder_;
+    params.trajectory = by_images_.params();
+    params.view = input_.view;
+    params.every = every_;
+    params.distortion = !raw_depth_;
+    MapMaking making(camera, params);
+    making.setNumberOfThreads(threads());
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+      making.add(mapImage(sequence, i, input_.width, given_.at(sequence.frames()[i].stamp, pose_tolerance_),
+                          gravity_.at(sequence.frames()[i].stamp)));
+    if (!given_.empty()) making.setPosesByTime([this](double stamp) { return given_.interpolated(stamp); });
+    return making;
   }
-  if (!disagreement_.empty()) console.out << "poses and images disagree by " << disagreement_ << "\n";
-  console.out << counted(seen.added, "local model") << " added from "
-              << counted(sequence.frames().size(), "image") << ", " << seen.models << " in all; map in "
-              << map_ << "\n";
-  return code;
-}
 
-int MapBuildApp::execute(const CommandLine& line, const Console& console) {
-  if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
-  if (every_ < 0) throw UsageError("every must not be negative");
-  if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
-  const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
-  const Camera camera = input_.camera(sequence.camera(), line);
-  gravity_.read(sequence, console);
-  ModelBatch batch(threads(), console, [this, &sequence, camera](const ModelsOrder& order, int workers) {
-    return modelWork(sequence, camera, order, workers);
-  });
-  if (batch.helped()) return kOk;
-  MapMaking making = makingOf(sequence, camera, console);
-  const MapBuildChecks checks{sequence, given_, console, sequence_, poses_, pose_tolerance_, force_};
-  MapWatch watch(console);
-  making.setProgress(watch.callback());
-  const OutputLock lock = OutputLock::ofFile(map_);
-  const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
-  if (!goes_on) checks.checkReading(making);
-  int code = findTrajectory(checks, making);
-  writeTrajectory(sequence, making);
-  if (!goes_on) {
-    disagreement_ = checks.checkPoses(making);
-    if (disagreement_.empty()) checks.requireMostPosed(making);
-  }
-  const std::vector<MapPlace> places = placesOf(sequence, making);
-  const auto buildAt = [&](const fs::path& path) {
-    code = std::max(code, build(path, checks, places, making, batch));
-  };
-  if (overwrite_ && isThere(map_)) {
-    openMap(map_);  // throws for a file that is no map, which is left alone
-    replaceMap(map_, buildAt);
+  /** \return kFailed if images could not be read. */
+  int findTrajectory(const MapBuildChecks& checks, MapMaking& making) const {
+    const DepthSequence& sequence = checks.sequence;
+    const Console& console = checks.console;
+    if (!given_.empty() || every_ > 0 || !poses_.empty()) return kOk;
+    console.note("no poses are given: the trajectory is found from the images");
+    making.setOdometry(by_images_.odometry(sequence, making.camera(), console));
+    making.findTrajectory();
+    const int code = by_images_.report(making.findings(), sequence, console);
+    checks.noteTrajectory(*making.findings().trajectory);
     return code;
   }
-  const bool is_new = !isThere(map_);
-  try {
-    buildAt(map_);
-  } catch (...) {
-    if (is_new) removeWithoutModels(map_);
-    throw;
+
+  void writeTrajectory(const DepthSequence& sequence, const MapMaking& making) const {
+    if (trajectory_.empty()) return;
+    std::vector<StampedPose> poses;
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
+      if (const auto T_w_c = making.pose(i)) poses.push_back({sequence.frames()[i].stamp, *T_w_c});
+    writeTumTrajectory(trajectory_, poses);
   }
-  return code;
-}
+
+  /** Throws IoError if there are none. */
+  std::vector<MapPlace> placesOf(const DepthSequence& sequence, const MapMaking& making) const {
+    const bool asks_for_poses = !making.findings().trajectory && (every_ == 0 || !poses_.empty());
+    if (asks_for_poses && !sequence.stamped())
+      throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
+    if (asks_for_poses && every_ == 0 && given_.empty()) throw IoError(poses_, "has no poses");
+    std::vector<MapPlace> places = making.places();
+    if (places.empty())
+      throw IoError(sequence_, fmt::format("none of its images has a pose within {:.9g} s", pose_tolerance_));
+    return places;
+  }
+
+  ModelBatch::Work modelWork(const DepthSequence& sequence, Camera camera, const ModelsOrder& order,
+                             int workers) const {
+    camera.distortion = order.second;
+    const auto builders =
+        std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(camera, input_.view));
+    const auto fileOf = [&sequence, images = order.first](std::size_t i) -> const FrameFile& {
+      return sequence.frames()[images[i]];
+    };
+    return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
+            [this, &sequence, fileOf, builders, images = order.first](std::size_t i, int worker) {
+              return packed({fileOf(i).name, fileOf(i).stamp},
+                            (*builders)[worker].build(sequence.load(images[i], input_.width),
+                                                      gravity_.at(fileOf(i).stamp)));
+            }};
+  }
+
+  /** Adds the local models that are not there already, in order. \return the index of each place's. */
+  std::vector<int> addModels(const DepthSequence& sequence, const std::vector<MapPlace>& places,
+                             const Camera& camera, ModelBatch& batch, MapFile& file, Seen& seen) const {
+    std::map<std::string, int> present;
+    for (const std::string& name : file.modelNames()) present.emplace(name, static_cast<int>(present.size()));
+    std::vector<int> models(places.size(), -1);
+    std::vector<std::size_t> missing, images;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto found = present.find(sequence.frames()[places[i].image].name);
+      if (found != present.end()) {
+        models[i] = found->second;
+      } else {
+        missing.push_back(i);
+        images.push_back(places[i].image);
+      }
+    }
+    seen.models = present.size();
+    batch.run({images, camera.distortion}, images.size(),
+              [&](std::size_t i, std::optional<PackedModel>&& built, const std::string&) {
+                if (!built) return;
+                built->model.T_w_m = places[missing[i]].T_w_m;
+                seen.noise.push_back(built->view.noise());
+                if (built->view.segments.empty()) {
+                  ++seen.without_segments;
+                  return;
+                }
+                models[missing[i]] = file.add(*built);
+                ++seen.added, ++seen.models;
+              });
+    return models;
+  }
+
+  /** \param path of the map until it is whole. \return the exit code. Throws IoError, and
+   * leaves no map, if there would be nothing in it. */
+  int build(const fs::path& path, const MapBuildChecks& checks, const std::vector<MapPlace>& places,
+            MapMaking& making, ModelBatch& batch) const {
+    const DepthSequence& sequence = checks.sequence;
+    const Console& console = checks.console;
+    const std::string parameters =
+        cameraLine(sequence.camera()) + fmt::format("every = {}\nraw-depth = {:d}\n", every_, raw_depth_) +
+        gravity_.toIni() + toIni(input_, making.camera()) + toIni(builder_, "map") +
+        (making.findings().trajectory ? by_images_.toIni() : "");
+    const MapInputs inputs{map_, sequence_, sequence, places, parameters, disagreement_};
+    MapFile file(path,
+                 resume_ ? resumeMap(path, inputs, making.camera())
+                         : beginMap(path, inputs, making.camera(), overwrite_),
+                 console);
+    const bool begins = file.modelNames().empty();
+    Seen seen;
+    int code = kOk;
+    const bool made = making.finish(file, [&](const std::vector<MapPlace>& of_map) {
+      if (begins && !raw_depth_) checks.noteDistortion(making.findings());
+      const std::vector<int> models = addModels(sequence, of_map, making.camera(), batch, file, seen);
+      code = batch.report();
+      checks.noteWithoutPose(making);
+      if (seen.without_segments > 0)
+        console.note(counted(seen.without_segments, "image") + " without segments left out");
+      noteNoise(seen.noise, making.camera().noise, console);
+      return models;
+    });
+    if (!made) {
+      fs::remove(path);
+      throw IoError(map_, "is not written: none of the images makes a local model");
+    }
+    if (!disagreement_.empty()) console.out << "poses and images disagree by " << disagreement_ << "\n";
+    console.out << counted(seen.added, "local model") << " added from "
+                << counted(sequence.frames().size(), "image") << ", " << seen.models << " in all; map in "
+                << map_ << "\n";
+    return code;
+  }
+
+  int execute(const CommandLine& line, const Console& console) override {
+    if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
+    if (every_ < 0) throw UsageError("every must not be negative");
+    if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
+    const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
+    const Camera camera = input_.camera(sequence.camera(), line);
+    gravity_.read(sequence, console);
+    ModelBatch batch(threads(), console, [this, &sequence, camera](const ModelsOrder& order, int workers) {
+      return modelWork(sequence, camera, order, workers);
+    });
+    if (batch.helped()) return kOk;
+    MapMaking making = makingOf(sequence, camera, console);
+    const MapBuildChecks checks{sequence, given_, console, sequence_, poses_, pose_tolerance_, force_};
+    MapWatch watch(console);
+    making.setProgress(watch.callback());
+    const OutputLock lock = OutputLock::ofFile(map_);
+    const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
+    if (!goes_on) checks.checkReading(making);
+    int code = findTrajectory(checks, making);
+    writeTrajectory(sequence, making);
+    if (!goes_on) {
+      disagreement_ = checks.checkPoses(making);
+      if (disagreement_.empty()) checks.requireMostPosed(making);
+    }
+    const std::vector<MapPlace> places = placesOf(sequence, making);
+    const auto buildAt = [&](const fs::path& path) {
+      code = std::max(code, build(path, checks, places, making, batch));
+    };
+    if (overwrite_ && isThere(map_)) {
+      openMap(map_);  // throws for a file that is no map, which is left alone
+      replaceMap(map_, buildAt);
+      return code;
+    }
+    const bool is_new = !isThere(map_);
+    try {
+      buildAt(map_);
+    } catch (...) {
+      if (is_new) removeWithoutModels(map_);
+      throw;
+    }
+    return code;
+  }
+
+  bool dealsOut() const override { return true; }
+
+  std::string disagreement_;  // between poses and images, as text
+  Trajectory given_;          // poses of the images; empty if none are given
+  std::string sequence_, map_, poses_, trajectory_;
+  int every_ = 0;
+  double pose_tolerance_ = 0.02;
+  bool overwrite_ = false, resume_ = false, raw_depth_ = false, force_ = false, without_poses_ = false;
+  ImageTrajectory by_images_;
+  GravityOption gravity_;
+  DepthInput input_;
+  MapBuilderParams builder_;
+};
+
+}  // namespace
+
+std::unique_ptr<App> mapBuildApp() { return std::make_unique<MapBuildApp>(); }
 
 }  // namespace facetloc

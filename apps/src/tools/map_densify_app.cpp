@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/map_densify_app.h"
-
 #include "batch/map_watch.h"
 #include "cli/text.h"
+#include "cli/tools.h"
 #include "inputs/depth_input.h"
 #include "outputs/map_completion.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
+#include <facetloc/mapping/densified_map.h>
 
 #include <filesystem>
 #include <fmt/core.h>
@@ -27,41 +27,53 @@ std::string toString(const Densification& done, const Map& map) {
                      100 * done.contradicted_share, counted(map.models.size(), "local model"));
 }
 
+/** facetloc_map densify: local models of places where no image of a map was taken. */
+class MapDensifyApp : public App {
+public:
+  MapDensifyApp()
+      : App("facetloc_map densify", "MAP.flmap [-o NEW.flmap] [options]",
+            "Adds local models where no image of the map was taken, up to 1 m beside the drive and in other "
+            "directions. They are rendered from the depth of the map's images, at places that these show to "
+            "be free. Surfaces that no image shows are unknown. Views of an earlier run are replaced. Run it "
+            "again after 'facetloc_map extend'.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArgument("MAP.flmap", map_);
+    line.addOption("output,o", output_, "NEW.flmap", "The map to write; MAP.flmap itself unless given.");
+    line.addSwitch("overwrite", overwrite_, "Replace an existing NEW.flmap.");
+    line.addParams(params_, "densify", CommandLine::Shown::in_help);
+    line.addParams(view_);
+    line.addExample("office.flmap -o dense.flmap", "views where no image was taken");
+    line.addExample("office.flmap --densify.growth 0.5", "fewer of them, in the map itself");
+  }
+
+  int execute(const CommandLine&, const Console& console) override {
+    if (overwrite_ && output_.empty())
+      throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
+    const std::string target = output_.empty() ? map_ : output_;
+    if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
+    const OutputLock lock = lockTarget(target, output_.empty() || overwrite_);
+    Map map = readMap(map_);
+    noteUnfinished(map, map_, console);
+    MapWatch watch(console);
+    const Densification done = densify(map, params_, view_, threads(), watch.callback());
+    if (done.driven == 0)
+      throw IoError(map_,
+                    "has no local model with a pose and a depth picture, of which views could be rendered");
+    replaceWholeMap(target, map, threads(), console);
+    console.out << toString(done, map) << " in " << target << "\n";
+    return kOk;
+  }
+
+  std::string map_, output_;
+  bool overwrite_ = false;
+  DensifyParams params_;
+  ViewParams view_;
+};
+
 }  // namespace
 
-MapDensifyApp::MapDensifyApp()
-    : App("facetloc_map densify", "MAP.flmap [-o NEW.flmap] [options]",
-          "Adds local models where no image of the map was taken, up to 1 m beside the drive and in other "
-          "directions. They are rendered from the depth of the map's images, at places that these show to be "
-          "free. Surfaces that no image shows are unknown. Views of an earlier run are replaced. Run it "
-          "again after 'facetloc_map extend'.") {}
-
-void MapDensifyApp::addOptions(CommandLine& line) {
-  line.addArgument("MAP.flmap", map_);
-  line.addOption("output,o", output_, "NEW.flmap", "The map to write; MAP.flmap itself unless given.");
-  line.addSwitch("overwrite", overwrite_, "Replace an existing NEW.flmap.");
-  line.addParams(params_, "densify", CommandLine::Shown::in_help);
-  line.addParams(view_);
-  line.addExample("office.flmap -o dense.flmap", "views where no image was taken");
-  line.addExample("office.flmap --densify.growth 0.5", "fewer of them, in the map itself");
-}
-
-int MapDensifyApp::execute(const CommandLine&, const Console& console) {
-  if (overwrite_ && output_.empty())
-    throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
-  const std::string target = output_.empty() ? map_ : output_;
-  if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
-  const OutputLock lock = lockTarget(target, output_.empty() || overwrite_);
-  Map map = readMap(map_);
-  noteUnfinished(map, map_, console);
-  MapWatch watch(console);
-  const Densification done = densify(map, params_, view_, threads(), watch.callback());
-  if (done.driven == 0)
-    throw IoError(map_,
-                  "has no local model with a pose and a depth picture, of which views could be rendered");
-  replaceWholeMap(target, map, threads(), console);
-  console.out << toString(done, map) << " in " << target << "\n";
-  return kOk;
-}
+std::unique_ptr<App> mapDensifyApp() { return std::make_unique<MapDensifyApp>(); }
 
 }  // namespace facetloc

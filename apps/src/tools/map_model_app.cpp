@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/map_model_app.h"
-
 #include "batch/map_watch.h"
 #include "cli/text.h"
+#include "cli/tools.h"
 #include "outputs/map_completion.h"
 #include "tools/drawn_map.h"
 #include "tools/model_axes.h"
@@ -13,12 +12,16 @@
 #include <facetloc/io/model_file.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/mesh_surface.h>
+#include <facetloc/mapping/model_map.h>
 
 #include <filesystem>
 #include <fmt/format.h>
+#include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace facetloc {
@@ -36,212 +39,230 @@ std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& c
   return poses;
 }
 
+/** facetloc_map from-model: a scan or mesh of a building -> a map. */
+class MapModelApp : public App {
+public:
+  MapModelApp()
+      : App("facetloc_map from-model", "MODEL -o MAP.flmap [options]",
+            "Builds a map from a scan, mesh or plan of a building. MODEL is a .ply, .obj or .stl mesh, a "
+            ".ply or .pcd cloud, or the map.yaml of an occupancy grid, whose walls are extruded. Depth "
+            "images are rendered where a camera can be, and become local models. The world of the map is the "
+            "frame of the MODEL, in metres.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArgument("MODEL", model_);
+    line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
+    line.addOption(
+        "camera", camera_, "FILE|NAME",
+        fmt::format("Camera to be localized later: a camera.ini, a map made with it, or a preset: {}.",
+                    cameraPresetNames()));
+    line.addOption(
+        "viewpoints", viewpoints_, "FILE",
+        "Camera poses in the MODEL [m], one for each local model; found automatically unless given.");
+    line.addOption("height", height_, "M",
+                   "Height of the camera above the floor [m]; 0 = as mounted, or hand-held.");
+    line.addOption("units", units_, "UNIT",
+                   "Unit of the MODEL's coordinates: m, cm, mm, in or ft; m unless given.");
+    line.addOption(
+        "up", up_, "AXIS",
+        "Upward direction in the MODEL: x, y, z, --up=-x, ..., a vector x,y,z, or auto, found in the "
+        "MODEL; z unless given.");
+    line.addOption("inside", inside_, "X,Y,Z",
+                   "A place in the area to fill [m]; all but the one around all others unless given.");
+    line.addOption("wall-height", floor_plan_.wall_height, "M",
+                   "Height of the walls of an occupancy grid [m].");
+    line.addSwitch("ceiling", floor_plan_.ceiling,
+                   "Add a ceiling to an occupancy grid, as high as its walls.");
+    line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints, by facetloc_render.");
+    line.addOption("width", width_, "N", "Minimum width of the rendered images [px]; 0 = 320.");
+    line.addCheck([this] {
+      metresPer(units_);
+      directionOf(up_);
+      if (!inside_.empty()) placeOf(inside_);
+      if (!(height_ >= 0 && height_ < 100)) throw UsageError("height must be from 0 to 100 m");
+      if (width_ < 0 || width_ > 10000) throw UsageError("width must be from 0 to 10000");
+    });
+    line.addCheck([this, &line] {
+      for (const char* option : {"height", "up", "inside"})
+        if (!viewpoints_.empty() && line.given(option))
+          throw UsageError(std::string(option) +
+                           " is for places that are looked for, and viewpoints names them");
+    });
+    line.addCheck([this, &line] { checkFloorPlan(line); });
+    line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
+    line.addParams(params_, "", CommandLine::Shown::in_help);
+    line.addParams(view_);
+    line.addExample("scan.ply -o house.flmap --camera kinect", "a scan, in metres, z up");
+    line.addExample("map.yaml -o plan.flmap --wall-height 2.5", "an occupancy grid");
+  }
+
+  bool isFloorPlan() const {
+    const fs::path extension = fs::path(model_).extension();
+    return extension == ".yaml" || extension == ".yml";
+  }
+
+  void checkFloorPlan(const CommandLine& line) const {
+    if (!isFloorPlan()) {
+      if (line.given("wall-height") || floor_plan_.ceiling)
+        throw UsageError("wall-height and ceiling are for the map.yaml of an occupancy grid");
+      return;
+    }
+    if (!line.given("wall-height"))
+      throw UsageError("an occupancy grid says nothing of the height of its walls: --wall-height M");
+    if (line.given("units") || line.given("up"))
+      throw UsageError("an occupancy grid is in metres, with z up: units and up are for other models");
+    floor_plan_.validate();
+  }
+
+  std::shared_ptr<const FloorPlanSurface> floorPlan(const Console& console) const try {
+    auto surface = std::make_shared<const FloorPlanSurface>(readOccupancyGrid(model_), floor_plan_);
+    const Eigen::Vector3d size = surface->bounds().sizes();
+    console.out << fmt::format("walls on {:.2f} x {:.2f} m, {:.2f} m high\n", size.x(), size.y(), size.z());
+    return surface;
+  } catch (const std::invalid_argument& e) {
+    throw IoError(model_, fmt::format("cannot be made into walls: {}", e.what()));
+  }
+
+  std::shared_ptr<const Surface> surface(const Console& console) const try {
+    const pcl::PolygonMesh model = readModel(model_, metresPer(units_));
+    const auto tell = [&console](const auto& surface, const std::string& item, std::size_t used,
+                                 const char* why) {
+      const Eigen::Vector3d size = surface->bounds().sizes();
+      console.out << fmt::format("{} of {:.2f} x {:.2f} x {:.2f} m\n", counted(used, item), size.x(),
+                                 size.y(), size.z());
+      if (surface->leftOut() > 0)
+        console.note(fmt::format("{} left out: {}", counted(surface->leftOut(), item), why));
+      return surface;
+    };
+    if (!model.polygons.empty()) {
+      const auto mesh = std::make_shared<const MeshSurface>(model);
+      return tell(mesh, "triangle", mesh->triangles(),
+                  "without an area, not finite, or with vertices that are not there");
+    }
+    const auto cloud = std::make_shared<const CloudSurface>(model.cloud, threads());
+    tell(cloud, "point", cloud->points(), "not finite, or far from all others");
+    console.out << fmt::format(
+        "points are {:.1f} mm apart and {:.1f} mm from the planes of their neighbours\n",
+        1e3 * cloud->spacing(), 1e3 * cloud->residual());
+    return cloud;
+  } catch (const std::invalid_argument& e) {
+    throw IoError(model_, e.what());
+  }
+
+  ModelMap making(const Console& console) const {
+    const Camera camera = camera_.empty() ? Camera{} : cameraNamed(camera_);
+    ModelMapParams params = params_;
+    std::shared_ptr<const Surface> surface;
+    if (isFloorPlan()) {
+      const auto plan = floorPlan(console);
+      params.surface_std = std::hypot(params.surface_std, plan->wallStd());
+      surface = plan;
+    } else {
+      surface = this->surface(console);
+    }
+    ModelMap making(surface, camera, params, view_);
+    making.setNumberOfThreads(threads());
+    if (const auto up = directionOf(up_))
+      making.setUp(*up);
+    else
+      making.setUpBySurface();
+    if (width_ > 0) making.setWorkingWidth(width_);
+    if (!inside_.empty()) making.setInside({placeOf(inside_)});
+    if (height_ > 0) making.setHeights({height_});
+    if (!viewpoints_.empty()) making.setViewpoints(posesIn(viewpoints_, console));
+    if (!isFloorPlan()) noteOrientation(making.orientation(), surface->bounds(), console);
+    return making;
+  }
+
+  std::string parameters(const Camera& camera, const ModelFindings& found) const {
+    return fmt::format(
+               "camera = {}\nviewpoints = {}\nheight = {}\nunits = {}\nup = {}\ninside = {}\nwidth = {}\n",
+               camera_, viewpoints_, height_, units_, toOption(found.up), inside_, width_) +
+           (isFloorPlan() ? toIni(floor_plan_, "floor_plan") : std::string()) + toIni(camera.noise, "noise") +
+           toIni(params_) + toIni(view_);
+  }
+
+  /** Contradictions between the model and the options it was read with, before the long work. */
+  void noteOrientation(const SurfaceOrientation& orientation, const Eigen::AlignedBox3d& bounds,
+                       const Console& console) const {
+    const std::optional<Eigen::Vector3d> named = viewpoints_.empty() ? directionOf(up_) : std::nullopt;
+    const std::optional<Eigen::Vector3d> up = named ? named : orientation.up();
+    if (const std::string remark =
+            unitRemark(units_, orientation, bounds, up.value_or(Eigen::Vector3d::UnitZ()));
+        !remark.empty())
+      console.note(remark);
+    if (!viewpoints_.empty()) return;
+    if (!named && !up)
+      throw IoError(model_,
+                    "its planes do not show which direction is up; name it: " + upOptions(orientation));
+    if (!named) console.out << fmt::format("the upward direction is {}\n", toOption(*up));
+    if (!named && !orientation.isSignKnown())
+      console.note(fmt::format(
+          "nothing in it distinguishes its floors from its ceilings: if {} is down, name the upward "
+          "direction with --up={}",
+          toOption(*up), toOption(-*up)));
+    if (const std::string remark = named ? upRemark(orientation, *named) : std::string(); !remark.empty())
+      console.note(remark);
+  }
+
+  Map make(const Console& console) const {
+    ModelMap making = this->making(console);
+    MapWatch watch(console);
+    making.setProgress(watch.callback());
+    Map map = making.finish();
+    const ModelFindings& found = making.findings();
+    if (map.models.empty()) throw IoError(model_, "cannot be made into a map: " + found.problem);
+    if (found.places > 0)
+      console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
+    if (found.is_open)
+      console.note(
+          "it is no whole room: views are taken wherever they show enough of it; --viewpoints, such as the "
+          "poses of the scanner, name better ones, and --up the upward direction");
+    if (found.outdoors > 0)
+      console.note(fmt::format("{} left out, in areas that {}", counted(found.outdoors, "place"),
+                               inside_.empty()
+                                   ? "surround all others and are taken for outdoors; --inside names an "
+                                     "area to fill"
+                                   : "do not hold the place that --inside names"));
+    if (found.places > 0 && found.overlap < params_.overlap)
+      console.note(
+          fmt::format("a local model shows {:.0f} %, not {:.0f} %, of what a camera near it sees: more would "
+                      "be more than {} local models",
+                      100 * found.overlap, 100 * params_.overlap, params_.most_models));
+    if (found.without_segments > 0)
+      console.note(counted(found.without_segments, "view") + " without segments left out");
+    map.meta["software"] = versionText();
+    map.meta["source"] = model_;
+    map.meta["made of"] = isFloorPlan() ? "a floor plan" : "a model";
+    map.meta["parameters"] = parameters(map.camera, found);
+    return map;
+  }
+
+  int execute(const CommandLine&, const Console& console) override {
+    std::optional<DrawnMap> plan;
+    if (!plan_.empty()) plan.emplace(plan_);
+    Map map;
+    writeNewMap(map_, overwrite_, threads(), console, [&]() -> const Map& {
+      map = make(console);
+      return map;
+    });
+    if (plan) plan->draw(map_);
+    console.out << counted(map.models.size(), "local model") << "; map in " << map_ << "\n";
+    return kOk;
+  }
+
+  std::string model_, map_, camera_, viewpoints_, inside_, plan_, units_ = "m", up_ = "z";
+  double height_ = 0;
+  int width_ = 0;
+  bool overwrite_ = false;
+  FloorPlanParams floor_plan_;
+  ModelMapParams params_;
+  ViewParams view_;
+};
+
 }  // namespace
 
-MapModelApp::MapModelApp()
-    : App("facetloc_map from-model", "MODEL -o MAP.flmap [options]",
-          "Builds a map from a scan, mesh or plan of a building. MODEL is a .ply, .obj or .stl mesh, a "
-          ".ply or .pcd cloud, or the map.yaml of an occupancy grid, whose walls are extruded. Depth "
-          "images are rendered where a camera can be, and become local models. The world of the map is the "
-          "frame of the MODEL, in metres.") {}
-
-void MapModelApp::addOptions(CommandLine& line) {
-  line.addArgument("MODEL", model_);
-  line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
-  line.addOption(
-      "camera", camera_, "FILE|NAME",
-      fmt::format("Camera to be localized later: a camera.ini, a map made with it, or a preset: {}.",
-                  cameraPresetNames()));
-  line.addOption(
-      "viewpoints", viewpoints_, "FILE",
-      "Camera poses in the MODEL [m], one for each local model; found automatically unless given.");
-  line.addOption("height", height_, "M",
-                 "Height of the camera above the floor [m]; 0 = as mounted, or hand-held.");
-  line.addOption("units", units_, "UNIT",
-                 "Unit of the MODEL's coordinates: m, cm, mm, in or ft; m unless given.");
-  line.addOption(
-      "up", up_, "AXIS",
-      "Upward direction in the MODEL: x, y, z, --up=-x, ..., a vector x,y,z, or auto, found in the "
-      "MODEL; z unless given.");
-  line.addOption("inside", inside_, "X,Y,Z",
-                 "A place in the area to fill [m]; all but the one around all others unless given.");
-  line.addOption("wall-height", floor_plan_.wall_height, "M",
-                 "Height of the walls of an occupancy grid [m].");
-  line.addSwitch("ceiling", floor_plan_.ceiling, "Add a ceiling to an occupancy grid, as high as its walls.");
-  line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints, by facetloc_render.");
-  line.addOption("width", width_, "N", "Minimum width of the rendered images [px]; 0 = 320.");
-  line.addCheck([this] {
-    metresPer(units_);
-    directionOf(up_);
-    if (!inside_.empty()) placeOf(inside_);
-    if (!(height_ >= 0 && height_ < 100)) throw UsageError("height must be from 0 to 100 m");
-    if (width_ < 0 || width_ > 10000) throw UsageError("width must be from 0 to 10000");
-  });
-  line.addCheck([this, &line] {
-    for (const char* option : {"height", "up", "inside"})
-      if (!viewpoints_.empty() && line.given(option))
-        throw UsageError(std::string(option) +
-                         " is for places that are looked for, and viewpoints names them");
-  });
-  line.addCheck([this, &line] { checkFloorPlan(line); });
-  line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
-  line.addParams(params_, "", CommandLine::Shown::in_help);
-  line.addParams(view_);
-  line.addExample("scan.ply -o house.flmap --camera kinect", "a scan, in metres, z up");
-  line.addExample("map.yaml -o plan.flmap --wall-height 2.5", "an occupancy grid");
-}
-
-bool MapModelApp::isFloorPlan() const {
-  const fs::path extension = fs::path(model_).extension();
-  return extension == ".yaml" || extension == ".yml";
-}
-
-void MapModelApp::checkFloorPlan(const CommandLine& line) const {
-  if (!isFloorPlan()) {
-    if (line.given("wall-height") || floor_plan_.ceiling)
-      throw UsageError("wall-height and ceiling are for the map.yaml of an occupancy grid");
-    return;
-  }
-  if (!line.given("wall-height"))
-    throw UsageError("an occupancy grid says nothing of the height of its walls: --wall-height M");
-  if (line.given("units") || line.given("up"))
-    throw UsageError("an occupancy grid is in metres, with z up: units and up are for other models");
-  floor_plan_.validate();
-}
-
-std::shared_ptr<const FloorPlanSurface> MapModelApp::floorPlan(const Console& console) const try {
-  auto surface = std::make_shared<const FloorPlanSurface>(readOccupancyGrid(model_), floor_plan_);
-  const Eigen::Vector3d size = surface->bounds().sizes();
-  console.out << fmt::format("walls on {:.2f} x {:.2f} m, {:.2f} m high\n", size.x(), size.y(), size.z());
-  return surface;
-} catch (const std::invalid_argument& e) {
-  throw IoError(model_, fmt::format("cannot be made into walls: {}", e.what()));
-}
-
-std::shared_ptr<const Surface> MapModelApp::surface(const Console& console) const try {
-  const pcl::PolygonMesh model = readModel(model_, metresPer(units_));
-  const auto tell = [&console](const auto& surface, const std::string& item, std::size_t used,
-                               const char* why) {
-    const Eigen::Vector3d size = surface->bounds().sizes();
-    console.out << fmt::format("{} of {:.2f} x {:.2f} x {:.2f} m\n", counted(used, item), size.x(), size.y(),
-                               size.z());
-    if (surface->leftOut() > 0)
-      console.note(fmt::format("{} left out: {}", counted(surface->leftOut(), item), why));
-    return surface;
-  };
-  if (!model.polygons.empty()) {
-    const auto mesh = std::make_shared<const MeshSurface>(model);
-    return tell(mesh, "triangle", mesh->triangles(),
-                "without an area, not finite, or with vertices that are not there");
-  }
-  const auto cloud = std::make_shared<const CloudSurface>(model.cloud, threads());
-  tell(cloud, "point", cloud->points(), "not finite, or far from all others");
-  console.out << fmt::format("points are {:.1f} mm apart and {:.1f} mm from the planes of their neighbours\n",
-                             1e3 * cloud->spacing(), 1e3 * cloud->residual());
-  return cloud;
-} catch (const std::invalid_argument& e) {
-  throw IoError(model_, e.what());
-}
-
-ModelMap MapModelApp::making(const Console& console) const {
-  const Camera camera = camera_.empty() ? Camera{} : cameraNamed(camera_);
-  ModelMapParams params = params_;
-  std::shared_ptr<const Surface> surface;
-  if (isFloorPlan()) {
-    const auto plan = floorPlan(console);
-    params.surface_std = std::hypot(params.surface_std, plan->wallStd());
-    surface = plan;
-  } else {
-    surface = this->surface(console);
-  }
-  ModelMap making(surface, camera, params, view_);
-  making.setNumberOfThreads(threads());
-  if (const auto up = directionOf(up_))
-    making.setUp(*up);
-  else
-    making.setUpBySurface();
-  if (width_ > 0) making.setWorkingWidth(width_);
-  if (!inside_.empty()) making.setInside({placeOf(inside_)});
-  if (height_ > 0) making.setHeights({height_});
-  if (!viewpoints_.empty()) making.setViewpoints(posesIn(viewpoints_, console));
-  if (!isFloorPlan()) noteOrientation(making.orientation(), surface->bounds(), console);
-  return making;
-}
-
-std::string MapModelApp::parameters(const Camera& camera, const ModelFindings& found) const {
-  return fmt::format(
-             "camera = {}\nviewpoints = {}\nheight = {}\nunits = {}\nup = {}\ninside = {}\nwidth = {}\n",
-             camera_, viewpoints_, height_, units_, toOption(found.up), inside_, width_) +
-         (isFloorPlan() ? toIni(floor_plan_, "floor_plan") : std::string()) + toIni(camera.noise, "noise") +
-         toIni(params_) + toIni(view_);
-}
-
-/** Contradictions between the model and the options it was read with, before the long work. */
-void MapModelApp::noteOrientation(const SurfaceOrientation& orientation, const Eigen::AlignedBox3d& bounds,
-                                  const Console& console) const {
-  const std::optional<Eigen::Vector3d> named = viewpoints_.empty() ? directionOf(up_) : std::nullopt;
-  const std::optional<Eigen::Vector3d> up = named ? named : orientation.up();
-  if (const std::string remark =
-          unitRemark(units_, orientation, bounds, up.value_or(Eigen::Vector3d::UnitZ()));
-      !remark.empty())
-    console.note(remark);
-  if (!viewpoints_.empty()) return;
-  if (!named && !up)
-    throw IoError(model_, "its planes do not show which direction is up; name it: " + upOptions(orientation));
-  if (!named) console.out << fmt::format("the upward direction is {}\n", toOption(*up));
-  if (!named && !orientation.isSignKnown())
-    console.note(fmt::format(
-        "nothing in it distinguishes its floors from its ceilings: if {} is down, name the upward "
-        "direction with --up={}",
-        toOption(*up), toOption(-*up)));
-  if (const std::string remark = named ? upRemark(orientation, *named) : std::string(); !remark.empty())
-    console.note(remark);
-}
-
-Map MapModelApp::make(const Console& console) const {
-  ModelMap making = this->making(console);
-  MapWatch watch(console);
-  making.setProgress(watch.callback());
-  Map map = making.finish();
-  const ModelFindings& found = making.findings();
-  if (map.models.empty()) throw IoError(model_, "cannot be made into a map: " + found.problem);
-  if (found.places > 0)
-    console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
-  if (found.is_open)
-    console.note(
-        "it is no whole room: views are taken wherever they show enough of it; --viewpoints, such as the "
-        "poses of the scanner, name better ones, and --up the upward direction");
-  if (found.outdoors > 0)
-    console.note(fmt::format("{} left out, in areas that {}", counted(found.outdoors, "place"),
-                             inside_.empty()
-                                 ? "surround all others and are taken for outdoors; --inside names an "
-                                   "area to fill"
-                                 : "do not hold the place that --inside names"));
-  if (found.places > 0 && found.overlap < params_.overlap)
-    console.note(
-        fmt::format("a local model shows {:.0f} %, not {:.0f} %, of what a camera near it sees: more would "
-                    "be more than {} local models",
-                    100 * found.overlap, 100 * params_.overlap, params_.most_models));
-  if (found.without_segments > 0)
-    console.note(counted(found.without_segments, "view") + " without segments left out");
-  map.meta["software"] = versionText();
-  map.meta["source"] = model_;
-  map.meta["made of"] = isFloorPlan() ? "a floor plan" : "a model";
-  map.meta["parameters"] = parameters(map.camera, found);
-  return map;
-}
-
-int MapModelApp::execute(const CommandLine&, const Console& console) {
-  std::optional<DrawnMap> plan;
-  if (!plan_.empty()) plan.emplace(plan_);
-  Map map;
-  writeNewMap(map_, overwrite_, threads(), console, [&]() -> const Map& {
-    map = make(console);
-    return map;
-  });
-  if (plan) plan->draw(map_);
-  console.out << counted(map.models.size(), "local model") << "; map in " << map_ << "\n";
-  return kOk;
-}
+std::unique_ptr<App> mapModelApp() { return std::make_unique<MapModelApp>(); }
 
 }  // namespace facetloc

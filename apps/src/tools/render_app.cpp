@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "batch/batch.h"
 #include "cli/text.h"
+#include "cli/tools.h"
 #include "drawing/match_pictures.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
@@ -329,5 +330,7 @@ int RenderApp::execute(const CommandLine& line, const Console& console) {
   if (!isResultsFolder(input_)) return renderImages(line, console);
   return fs::path(output_).extension() == ".png" ? renderBeliefs(console) : renderFailures(line, console);
 }
+
+std::unique_ptr<App> renderApp() { return std::make_unique<RenderApp>(); }
 
 }  // namespace facetloc

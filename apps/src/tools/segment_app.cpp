@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/segment_app.h"
-
 #include "batch/shared_batch.h"
 #include "cli/text.h"
+#include "cli/tools.h"
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/outputs.h"
+#include "inputs/depth_input.h"
 #include "outputs/provenance.h"
 #include "tools/noise_table.h"
 
@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fmt/core.h>
 #include <map>
 #include <memory>
@@ -58,242 +59,256 @@ std::string labelOf(const std::string& input) {
   return path.filename().string();
 }
 
-}  // namespace
-
-struct SegmentApp::Image {
-  const DepthSequence* sequence;
-  std::size_t index;  // index within its sequence
-  std::string name;   // base of the names of its output files
-
-  const FrameFile& file() const { return sequence->frames()[index]; }
-};
-
-struct SegmentApp::Output {
-  const char* ending;
-  bool is_written;
-};
-
-std::vector<SegmentApp::Output> SegmentApp::outputs() const {
-  return {
-      {kSegmentEnding, true}, {kLabels, labels_}, {kOverlay, overlay_}, {kCloud, pcd_}, {kPolygons, ply_}};
-}
-
-/** One per thread: keeps its buffers from image to image as long as these are of the same camera. */
-class SegmentApp::Worker {
+/** facetloc_segment: depth images -> planar surface segments, in batch. */
+class SegmentApp : public App {
 public:
-  Worker(const SegmentApp& app, const CommandLine& line) : app_(app), line_(line) {}
-
-  std::size_t process(const Image& image) {
-    if (image.sequence != sequence_)
-      builder_.emplace(app_.input_.camera(image.sequence->camera(), line_), app_.input_.view);
-    sequence_ = image.sequence;
-
-    const DepthImage depth = image.sequence->load(image.index, app_.input_.width);
-    const View view = builder_->build(depth);
-    const LabelImage& labels = builder_->segmentation().labels;
-    const fs::path base = fs::path(app_.folder_) / image.name;
-    if (app_.labels_) writeLabels(base.string() + kLabels, labels);
-    if (app_.overlay_) writePng(base.string() + kOverlay, overlay(depth, labels));
-    if (app_.pcd_) writeLabelledCloud(base.string() + kCloud, depth, labels, coloursOf(view));
-    if (app_.ply_) writePolygons(base.string() + kPolygons, polygonsOf(view));
-    writeSegments(app_.segmentsOf(image), view.segments);
-    return view.segments.size();
-  }
+  SegmentApp()
+      : App("facetloc_segment", "INPUT... -o DIR [options]",
+            "Segments depth images into planar surfaces. INPUT is a recording: a folder, a list (.txt, .lst) "
+            "or one image of 16-bit PNGs or organized PCDs, or an .oni, .mcap, .db3, .bag or .db file. For "
+            "each image, DIR/<name>.segments.pcd holds its segments. Under mpirun, its processes share the "
+            "images.") {}
 
 private:
-  const SegmentApp& app_;
-  const CommandLine& line_;
-  std::optional<ViewBuilder> builder_;
-  const DepthSequence* sequence_ = nullptr;  // sequence of the last image
+  /** One image of one of the inputs. */
+  struct Image {
+    const DepthSequence* sequence;
+    std::size_t index;  // index within its sequence
+    std::string name;   // base of the names of its output files
+
+    const FrameFile& file() const { return sequence->frames()[index]; }
+  };
+
+  /** A file of the results of an image. */
+  struct Output {
+    const char* ending;
+    bool is_written;
+  };
+
+  /** One per thread: keeps its buffers from image to image as long as these are of the same camera. */
+  class Worker {
+  public:
+    Worker(const SegmentApp& app, const CommandLine& line) : app_(app), line_(line) {}
+
+    std::size_t process(const Image& image) {
+      if (image.sequence != sequence_)
+        builder_.emplace(app_.input_.camera(image.sequence->camera(), line_), app_.input_.view);
+      sequence_ = image.sequence;
+
+      const DepthImage depth = image.sequence->load(image.index, app_.input_.width);
+      const View view = builder_->build(depth);
+      const LabelImage& labels = builder_->segmentation().labels;
+      const fs::path base = fs::path(app_.folder_) / image.name;
+      if (app_.labels_) writeLabels(base.string() + kLabels, labels);
+      if (app_.overlay_) writePng(base.string() + kOverlay, overlay(depth, labels));
+      if (app_.pcd_) writeLabelledCloud(base.string() + kCloud, depth, labels, coloursOf(view));
+      if (app_.ply_) writePolygons(base.string() + kPolygons, polygonsOf(view));
+      writeSegments(app_.segmentsOf(image), view.segments);
+      return view.segments.size();
+    }
+
+  private:
+    const SegmentApp& app_;
+    const CommandLine& line_;
+    std::optional<ViewBuilder> builder_;
+    const DepthSequence* sequence_ = nullptr;  // sequence of the last image
+  };
+
+  std::vector<Output> outputs() const {
+    return {
+        {kSegmentEnding, true}, {kLabels, labels_}, {kOverlay, overlay_}, {kCloud, pcd_}, {kPolygons, ply_}};
+  }
+
+  void addOptions(CommandLine& line) override {
+    line.addArguments("INPUT", inputs_);
+    line.addOption("output,o", folder_, "DIR", "Folder of the results.");
+    line.addSwitch("labels", labels_,
+                   "Also write <name>.png: 16 bit, 0 = no segment, k = k-th segment of the PCD.");
+    line.addSwitch("overlay", overlay_,
+                   "Also write <name>_overlay.png: grey depth with segment borders in green.");
+    line.addSwitch("pcd", pcd_,
+                   "Also write <name>_cloud.pcd: the points, coloured and labelled by their segments.");
+    line.addSwitch("ply", ply_, "Also write <name>.ply: the outlines of the segments, for mesh viewers.");
+    line.addSwitch("noise", measures_noise_,
+                   "Measure the noise of the images over depth instead, and print values for camera.ini.");
+    line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
+    addRecordingOptions(line, input_.recording);
+    input_.addOptions(line);
+    line.addExample("image.png -o found --overlay", "one image and its segments");
+    line.addExample("walk -o found --ply", "meshes of the outlines of all images");
+  }
+
+  std::vector<Image> images(const std::vector<DepthSequence>& sequences) const {
+    std::map<std::string, int> uses;
+    for (const DepthSequence& sequence : sequences)
+      for (const FrameFile& file : sequence.frames()) ++uses[file.name];
+
+    std::vector<Image> images;
+    std::map<std::string, fs::path> taken;
+    for (std::size_t input = 0; input < sequences.size(); ++input)
+      for (std::size_t i = 0; i < sequences[input].frames().size(); ++i) {
+        const FrameFile& file = sequences[input].frames()[i];
+        const std::string name =
+            uses[file.name] > 1 ? fmt::format("{}_{}", labelOf(inputs_[input]), file.name) : file.name;
+        for (const auto& [ending, is_written] : outputs()) {
+          if (!is_written) continue;
+          const auto [other, is_new] = taken.emplace(name + ending, file.path);
+          if (!is_new)
+            throw UsageError(
+                fmt::format("results of {} and {} would both be named {}{}; use different output folders",
+                            other->second.string(), file.path.string(), name, ending));
+        }
+        images.push_back({&sequences[input], i, name});
+      }
+    return images;
+  }
+
+  /** Written last: with it, an image is done. */
+  fs::path segmentsOf(const Image& image) const { return fs::path(folder_) / (image.name + kSegmentEnding); }
+
+  bool done(const Image& image) const {
+    const std::string base = (fs::path(folder_) / image.name).string();
+    const std::vector<Output> files = outputs();
+    return std::all_of(files.begin(), files.end(), [&base](const Output& output) {
+      return !output.is_written || fs::exists(base + output.ending);
+    });
+  }
+
+  /** The inputs and parameters of the results. */
+  Provenance provenance(const std::vector<Image>& images, const CommandLine& line) const {
+    Provenance provenance{fmt::format("# {}\n", versionText()), {}};
+    const DepthSequence* sequence = nullptr;
+    for (const Image& image : images) {
+      if (image.sequence != sequence) provenance.params_ini += cameraLine(image.sequence->camera());
+      sequence = image.sequence;
+      provenance.images[image.name] = sizeOf(image.file());
+    }
+    provenance.params_ini += toIni(input_, input_.camera(images.front().sequence->camera(), line));
+    return provenance;
+  }
+
+  /** Removes the files of an image, or of one of an earlier run, from the folder. */
+  void removeResultsOf(const std::string& name) const {
+    if (!fs::exists(fs::path(folder_) / (name + kSegmentEnding))) return;  // another tool's images
+    for (const Output& output : outputs()) fs::remove(fs::path(folder_) / (name + output.ending));
+  }
+
+  /** \return which images are still to be done. */
+  std::vector<std::size_t> prepare(const std::vector<Image>& images, const Provenance& provenance) const {
+    for (const Image& image : images) {
+      const fs::path of_images = image.file().path.parent_path();
+      requireOtherFolder(folder_, of_images);
+      requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
+    }
+    const auto before = Provenance::read(folder_);
+    std::vector<std::size_t> todo;
+    std::vector<std::string> finished;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      if (resume_ && before && done(images[i]))
+        finished.push_back(images[i].name);
+      else
+        todo.push_back(i);
+    }
+    if (resume_ && before) before->requireSame(provenance, finished, folder_);
+    // Files of other images, or made with other parameters, would be taken for results of this run.
+    const std::set<std::string> kept(finished.begin(), finished.end());
+    for (const auto& [name, size] : before ? before->images : ImageSizes())
+      if (!kept.count(name)) removeResultsOf(name);
+    for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));
+    provenance.write(folder_);
+    return todo;
+  }
+
+  int measureNoise(const CommandLine& line, const Console& console) const {
+    constexpr std::size_t kMostImages = 200;  // images sampled evenly from an input
+    std::vector<DepthSequence> sequences;
+    for (const std::string& input : inputs_)
+      sequences.push_back(openSequence(input, input_.recording, console));
+    std::vector<std::pair<const DepthSequence*, std::size_t>> images;
+    for (const DepthSequence& sequence : sequences) {
+      const std::size_t n = sequence.frames().size(), wanted = std::min(n, kMostImages);
+      for (std::size_t i = 0; i < wanted; ++i) images.emplace_back(&sequence, i * n / wanted);
+    }
+    std::vector<std::vector<NoiseSample>> found(images.size());
+    Batch batch(threads(), images.size(), console);
+    batch.run([&](std::size_t i) { return images[i].first->frames()[images[i].second].path.string(); },
+              [&](std::size_t i, int) {
+                const auto& [sequence, index] = images[i];
+                DepthImage image = sequence->load(index, line.given("width") ? input_.width : 0);
+                dropBeyond(input_.camera(sequence->camera(), line).max_depth, image);
+                found[i] = noiseSamples(image);
+              });
+    std::vector<NoiseSample> samples;
+    for (const auto& of_image : found) samples.insert(samples.end(), of_image.begin(), of_image.end());
+    const std::vector<NoiseBin> bins = binned(std::move(samples));
+    const int code = batch.report();
+    if (bins.empty()) {
+      console.error("the images show too few flat places to measure noise at: take some of walls, floors and "
+                    "tables at several distances");
+      return kFailed;
+    }
+    printNoise(console.out, bins);
+    return code;
+  }
+
+  int execute(const CommandLine& line, const Console& console) override {
+    if (measures_noise_) {
+      for (const char* other : {"output", "labels", "overlay", "pcd", "ply", "resume"})
+        if (line.given(other)) throw UsageError(std::string("--noise writes no files: leave out --") + other);
+      return measureNoise(line, console);
+    }
+    if (folder_.empty()) throw UsageError("the folder of the results is missing: -o DIR");
+    if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
+    std::vector<DepthSequence> sequences;
+    for (const std::string& input : inputs_) {
+      Provenance::requireNotReplaced(input, folder_);
+      sequences.push_back(openSequence(input, input_.recording, console));
+    }
+    const std::vector<Image> all = images(sequences);
+    using Images = std::vector<std::size_t>;  // among all
+    using Segmentation = SharedBatch<Images, std::size_t>;
+    Segmentation batch(threads(), console, [&](const Images& images, int n) -> Segmentation::Work {
+      const auto workers = std::make_shared<std::vector<Worker>>(n, Worker(*this, line));
+      return {[&all, images](std::size_t i) { return all[images[i]].file().path.string(); },
+              [&all, images, workers](std::size_t i, int worker) {
+                return (*workers)[worker].process(all[images[i]]);
+              }};
+    });
+    if (batch.helped()) return kOk;
+    createFolders(folder_);
+    const OutputLock lock = OutputLock::ofFolder(folder_);
+    const Images todo = prepare(all, provenance(all, line));
+    std::vector<FrameFile> frames;
+    for (const Image& image : all) frames.push_back(image.file());
+    writeInputs(folder_, frames);
+
+    const auto start = std::chrono::steady_clock::now();
+    std::size_t sum = 0;
+    batch.run(todo, todo.size(),
+              [&](std::size_t, const std::optional<std::size_t>& segments, const std::string&) {
+                sum += segments.value_or(0);
+              });
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const int code = batch.report();
+    const std::size_t done = todo.size() - batch.failures().size();
+    const std::size_t before = all.size() - todo.size();
+    console.print(fmt::format("{} with {} in {:.1f} s{}; results in {}\n", counted(done, "image"),
+                              counted(sum, "segment"), seconds,
+                              before > 0 ? fmt::format(" ({} were done before)", before) : "", folder_));
+    return code;
+  }
+
+  bool dealsOut() const override { return !measures_noise_; }
+
+  std::vector<std::string> inputs_;
+  std::string folder_;
+  bool labels_ = false, overlay_ = false, pcd_ = false, ply_ = false, resume_ = false,
+       measures_noise_ = false;
+  DepthInput input_;
 };
 
-SegmentApp::SegmentApp()
-    : App("facetloc_segment", "INPUT... -o DIR [options]",
-          "Segments depth images into planar surfaces. INPUT is a recording: a folder, a list (.txt, .lst) "
-          "or one image of 16-bit PNGs or organized PCDs, or an .oni, .mcap, .db3, .bag or .db file. For "
-          "each image, DIR/<name>.segments.pcd holds its segments. Under mpirun, its processes share the "
-          "images.") {}
+}  // namespace
 
-void SegmentApp::addOptions(CommandLine& line) {
-  line.addArguments("INPUT", inputs_);
-  line.addOption("output,o", folder_, "DIR", "Folder of the results.");
-  line.addSwitch("labels", labels_,
-                 "Also write <name>.png: 16 bit, 0 = no segment, k = k-th segment of the PCD.");
-  line.addSwitch("overlay", overlay_,
-                 "Also write <name>_overlay.png: grey depth with segment borders in green.");
-  line.addSwitch("pcd", pcd_,
-                 "Also write <name>_cloud.pcd: the points, coloured and labelled by their segments.");
-  line.addSwitch("ply", ply_, "Also write <name>.ply: the outlines of the segments, for mesh viewers.");
-  line.addSwitch("noise", measures_noise_,
-                 "Measure the noise of the images over depth instead, and print values for camera.ini.");
-  line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
-  addRecordingOptions(line, input_.recording);
-  input_.addOptions(line);
-  line.addExample("image.png -o found --overlay", "one image and its segments");
-  line.addExample("walk -o found --ply", "meshes of the outlines of all images");
-}
-
-std::vector<SegmentApp::Image> SegmentApp::images(const std::vector<DepthSequence>& sequences) const {
-  std::map<std::string, int> uses;
-  for (const DepthSequence& sequence : sequences)
-    for (const FrameFile& file : sequence.frames()) ++uses[file.name];
-
-  std::vector<Image> images;
-  std::map<std::string, fs::path> taken;
-  for (std::size_t input = 0; input < sequences.size(); ++input)
-    for (std::size_t i = 0; i < sequences[input].frames().size(); ++i) {
-      const FrameFile& file = sequences[input].frames()[i];
-      const std::string name =
-          uses[file.name] > 1 ? fmt::format("{}_{}", labelOf(inputs_[input]), file.name) : file.name;
-      for (const auto& [ending, is_written] : outputs()) {
-        if (!is_written) continue;
-        const auto [other, is_new] = taken.emplace(name + ending, file.path);
-        if (!is_new)
-          throw UsageError(
-              fmt::format("results of {} and {} would both be named {}{}; use different output folders",
-                          other->second.string(), file.path.string(), name, ending));
-      }
-      images.push_back({&sequences[input], i, name});
-    }
-  return images;
-}
-
-/** Written last: with it, an image is done. */
-fs::path SegmentApp::segmentsOf(const Image& image) const {
-  return fs::path(folder_) / (image.name + kSegmentEnding);
-}
-
-bool SegmentApp::done(const Image& image) const {
-  const std::string base = (fs::path(folder_) / image.name).string();
-  const std::vector<Output> files = outputs();
-  return std::all_of(files.begin(), files.end(), [&base](const Output& output) {
-    return !output.is_written || fs::exists(base + output.ending);
-  });
-}
-
-/** The inputs and parameters of the results. */
-Provenance SegmentApp::provenance(const std::vector<Image>& images, const CommandLine& line) const {
-  Provenance provenance{fmt::format("# {}\n", versionText()), {}};
-  const DepthSequence* sequence = nullptr;
-  for (const Image& image : images) {
-    if (image.sequence != sequence) provenance.params_ini += cameraLine(image.sequence->camera());
-    sequence = image.sequence;
-    provenance.images[image.name] = sizeOf(image.file());
-  }
-  provenance.params_ini += toIni(input_, input_.camera(images.front().sequence->camera(), line));
-  return provenance;
-}
-
-/** Removes the files of an image, or of one of an earlier run, from the folder. */
-void SegmentApp::removeResultsOf(const std::string& name) const {
-  if (!fs::exists(fs::path(folder_) / (name + kSegmentEnding))) return;  // another tool's images
-  for (const Output& output : outputs()) fs::remove(fs::path(folder_) / (name + output.ending));
-}
-
-/** \return which images are still to be done. */
-std::vector<std::size_t> SegmentApp::prepare(const std::vector<Image>& images,
-                                             const Provenance& provenance) const {
-  for (const Image& image : images) {
-    const fs::path of_images = image.file().path.parent_path();
-    requireOtherFolder(folder_, of_images);
-    requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
-  }
-  const auto before = Provenance::read(folder_);
-  std::vector<std::size_t> todo;
-  std::vector<std::string> finished;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    if (resume_ && before && done(images[i]))
-      finished.push_back(images[i].name);
-    else
-      todo.push_back(i);
-  }
-  if (resume_ && before) before->requireSame(provenance, finished, folder_);
-  // Files of other images, or made with other parameters, would be taken for results of this run.
-  const std::set<std::string> kept(finished.begin(), finished.end());
-  for (const auto& [name, size] : before ? before->images : ImageSizes())
-    if (!kept.count(name)) removeResultsOf(name);
-  for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));
-  provenance.write(folder_);
-  return todo;
-}
-
-int SegmentApp::measureNoise(const CommandLine& line, const Console& console) const {
-  constexpr std::size_t kMostImages = 200;  // images sampled evenly from an input
-  std::vector<DepthSequence> sequences;
-  for (const std::string& input : inputs_)
-    sequences.push_back(openSequence(input, input_.recording, console));
-  std::vector<std::pair<const DepthSequence*, std::size_t>> images;
-  for (const DepthSequence& sequence : sequences) {
-    const std::size_t n = sequence.frames().size(), wanted = std::min(n, kMostImages);
-    for (std::size_t i = 0; i < wanted; ++i) images.emplace_back(&sequence, i * n / wanted);
-  }
-  std::vector<std::vector<NoiseSample>> found(images.size());
-  Batch batch(threads(), images.size(), console);
-  batch.run([&](std::size_t i) { return images[i].first->frames()[images[i].second].path.string(); },
-            [&](std::size_t i, int) {
-              const auto& [sequence, index] = images[i];
-              DepthImage image = sequence->load(index, line.given("width") ? input_.width : 0);
-              dropBeyond(input_.camera(sequence->camera(), line).max_depth, image);
-              found[i] = noiseSamples(image);
-            });
-  std::vector<NoiseSample> samples;
-  for (const auto& of_image : found) samples.insert(samples.end(), of_image.begin(), of_image.end());
-  const std::vector<NoiseBin> bins = binned(std::move(samples));
-  const int code = batch.report();
-  if (bins.empty()) {
-    console.error("the images show too few flat places to measure noise at: take some of walls, floors and "
-                  "tables at several distances");
-    return kFailed;
-  }
-  printNoise(console.out, bins);
-  return code;
-}
-
-int SegmentApp::execute(const CommandLine& line, const Console& console) {
-  if (measures_noise_) {
-    for (const char* other : {"output", "labels", "overlay", "pcd", "ply", "resume"})
-      if (line.given(other)) throw UsageError(std::string("--noise writes no files: leave out --") + other);
-    return measureNoise(line, console);
-  }
-  if (folder_.empty()) throw UsageError("the folder of the results is missing: -o DIR");
-  if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
-  std::vector<DepthSequence> sequences;
-  for (const std::string& input : inputs_) {
-    Provenance::requireNotReplaced(input, folder_);
-    sequences.push_back(openSequence(input, input_.recording, console));
-  }
-  const std::vector<Image> all = images(sequences);
-  using Images = std::vector<std::size_t>;  // among all
-  using Segmentation = SharedBatch<Images, std::size_t>;
-  Segmentation batch(threads(), console, [&](const Images& images, int n) -> Segmentation::Work {
-    const auto workers = std::make_shared<std::vector<Worker>>(n, Worker(*this, line));
-    return {[&all, images](std::size_t i) { return all[images[i]].file().path.string(); },
-            [&all, images, workers](std::size_t i, int worker) {
-              return (*workers)[worker].process(all[images[i]]);
-            }};
-  });
-  if (batch.helped()) return kOk;
-  createFolders(folder_);
-  const OutputLock lock = OutputLock::ofFolder(folder_);
-  const Images todo = prepare(all, provenance(all, line));
-  std::vector<FrameFile> frames;
-  for (const Image& image : all) frames.push_back(image.file());
-  writeInputs(folder_, frames);
-
-  const auto start = std::chrono::steady_clock::now();
-  std::size_t sum = 0;
-  batch.run(todo, todo.size(),
-            [&](std::size_t, const std::optional<std::size_t>& segments, const std::string&) {
-              sum += segments.value_or(0);
-            });
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const int code = batch.report();
-  const std::size_t done = todo.size() - batch.failures().size();
-  const std::size_t before = all.size() - todo.size();
-  console.print(fmt::format("{} with {} in {:.1f} s{}; results in {}\n", counted(done, "image"),
-                            counted(sum, "segment"), seconds,
-                            before > 0 ? fmt::format(" ({} were done before)", before) : "", folder_));
-  return code;
-}
+std::unique_ptr<App> segmentApp() { return std::make_unique<SegmentApp>(); }
 
 }  // namespace facetloc

@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/try_app.h"
-
 #include "cli/heartbeat.h"
 #include "cli/text.h"
-#include "evaluation/evaluate_app.h"
+#include "cli/tools.h"
 #include "evaluation/evaluation_report.h"
 #include "inputs/depth_input.h"
-#include "tools/check_app.h"
-#include "tools/localize_app.h"
-#include "tools/map_apps.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fmt/format.h>
-#include <functional>
-#include <memory>
-#include <optional>
 #include <sstream>
+#include <string>
 #include <unistd.h>
+#include <vector>
 
 namespace facetloc {
 namespace {
@@ -71,115 +66,127 @@ void openInBrowser(const std::string& page, const Console& console) {
   if (child < 0) console.note("the report cannot be opened; open it by hand");
 }
 
-}  // namespace
+/** facetloc try: from a recording to a report, by the other tools one after the other. */
+class TryApp : public App {
+public:
+  TryApp()
+      : App("facetloc try", "RECORDING [LATER] [-o DIR]",
+            "Goes from a recording to a report in one command. Checks how the RECORDING is read, builds a "
+            "map of it, and localizes the images of a LATER recording of the same place in that map. Without "
+            "LATER, it localizes the RECORDING itself, which is easier. Evaluates the answers by the LATER "
+            "recording's poses, if available. DIR/report.html shows the result, beside the map, the results "
+            "and the output of each tool.") {}
 
-/** One of the tools, and its arguments. */
-struct TryApp::Stage {
-  std::string name;
-  std::string what;
-  std::function<std::unique_ptr<App>()> tool;
-  std::vector<std::string> arguments;
-  std::string text_file;  // receives the tool's output
-  std::string advice;     // if it fails
+private:
+  /** One of the tools, and its arguments. */
+  struct Stage {
+    std::string name;
+    std::string what;
+    MakeApp* tool;
+    std::vector<std::string> arguments;
+    std::string advice{};  // if it fails
+
+    std::string textFile() const { return name + ".txt"; }  // receives the tool's output
+  };
+
+  void addOptions(CommandLine& line) override {
+    line.addArgument("RECORDING", recording_);
+    line.addArgument("LATER", later_, false);
+    line.addOption("output,o", folder_, "DIR",
+                   "Folder of the report; RECORDING's name with .try, in the working folder, unless given.");
+    line.addOption("camera", camera_, "FILE|NAME",
+                   "The camera of both recordings: camera.ini, a map or a preset.");
+    line.addOption("depth-scale", depth_scale_, "N", "Image values per metre.");
+    line.addOption("poses-are", poses_are_, "WORDS", "Convention of the poses, as named by facetloc_check.");
+    line.addSwitch("without-poses", without_poses_,
+                   "Estimate the trajectory from the images, even if the RECORDING has poses.");
+    line.addSwitch("open", open_, "Open the report in a browser.");
+    line.addExample("walk1 walk2", "a map of walk1, walk2 in it");
+    line.addExample("walk1 -o tried --open", "one recording, and the report in a browser");
+  }
+
+  std::vector<Stage> stages(const CommandLine& line, const Console& console) const {
+    RecordingHints hints;
+    const std::string of_query = later_.empty() ? recording_ : later_;
+    std::vector<std::string> reading;
+    for (const auto& [name, value] :
+         {std::pair("camera", &camera_), {"depth-scale", &depth_scale_}, {"poses-are", &poses_are_}})
+      if (line.given(name)) reading.insert(reading.end(), {std::string("--") + name, *value});
+    const auto withReading = [&](std::vector<std::string> arguments) {
+      arguments.insert(arguments.end(), reading.begin(), reading.end());
+      return arguments;
+    };
+    std::vector<std::string> build = withReading({"--overwrite", "-o", in("map.flmap"), recording_});
+    if (without_poses_) build.emplace_back("--without-poses");
+    std::vector<std::string> localize = withReading({in("map.flmap"), of_query, "-o", in("results")});
+    const DepthSequence map_run = openSequence(recording_, hints, console);
+    const DepthSequence query = openSequence(of_query, hints, console);
+    if (query.stamped()) localize.emplace_back("--sequence");
+    std::vector<std::string> evaluate = {in("results"), "--map", in("map.flmap"), "-o", folder_};
+    const bool own_frame = without_poses_ || map_run.groundTruth().empty();
+    if (!query.groundTruth().empty()) {
+      evaluate.insert(evaluate.begin() + 1, of_query);
+      if (own_frame) evaluate.emplace_back("--align");
+      if (!map_run.groundTruth().empty()) evaluate.insert(evaluate.end(), {"--map-groundtruth", recording_});
+    }
+    return {{"check", "how the recording is read", checkApp, withReading({recording_}),
+             "no map gets better than its images: mend that first"},
+            {"build", "images to a map", mapBuildApp, build},
+            {"localize", "where the images were taken", localizeApp, localize},
+            {"evaluate",
+             query.groundTruth().empty() ? "no true poses: statistics of the answers alone"
+                                         : "the answers and the truth",
+             evaluateApp, evaluate}};
+  }
+
+  void runStage(const Stage& stage, std::size_t number, std::size_t of, const Console& console) const {
+    const std::string title = fmt::format("{}/{} {}", number, of, stage.name);
+    console.print(fmt::format("{}: {}\n", title, stage.what));
+    std::ostringstream out;
+    double seconds = 0;
+    int code = kOk;
+    {
+      const Heartbeat heartbeat(console, title);
+      code = stage.tool()->run(stage.arguments, heartbeat.console(out));
+      seconds = heartbeat.seconds();
+    }
+    writeTextAtomically(in(stage.textFile()), [&](std::ostream& file) { file << out.str(); });
+    if (code != kOk) {
+      console.print(out.str());
+      throw std::runtime_error(fmt::format("stopped at {}{}; what it printed is in {}", stage.name,
+                                           stage.advice.empty() ? "" : ": " + stage.advice,
+                                           in(stage.textFile())));
+    }
+    console.print(fmt::format("    {:.1f} s: {}\n", seconds, lastLine(out.str())));
+  }
+
+  int execute(const CommandLine& line, const Console& console) override {
+    for (const std::string& recording : {recording_, later_})
+      if (!recording.empty() && !fs::exists(recording)) throw IoError(recording, "does not exist");
+    if (folder_.empty()) folder_ = reportOf(recording_);
+    for (const std::string& recording : {recording_, later_})
+      if (!recording.empty()) requireOutside(folder_, recording);
+    const std::vector<Stage> all = stages(line, console);
+    createFolders(folder_);
+    if (later_.empty())
+      console.note(
+          "no LATER recording: the images of the map itself are localized, which says little of another day");
+    for (std::size_t i = 0; i < all.size(); ++i) runStage(all[i], i + 1, all.size(), console);
+    const std::string report = in("report.html");
+    if (open_) openInBrowser(report, console);
+    console.print("report in " + report + "\n");
+    return kOk;
+  }
+
+  bool showsWork() const override { return true; }  // stage by stage
+  std::string in(const std::string& name) const { return (std::filesystem::path(folder_) / name).string(); }
+
+  std::string recording_, later_, folder_, camera_, depth_scale_, poses_are_;
+  bool without_poses_ = false, open_ = false;
 };
 
-TryApp::TryApp()
-    : App("facetloc try", "RECORDING [LATER] [-o DIR]",
-          "Goes from a recording to a report in one command. Checks how the RECORDING is read, builds a map "
-          "of it, and localizes the images of a LATER recording of the same place in that map. Without "
-          "LATER, it localizes the RECORDING itself, which is easier. Evaluates the answers by the LATER "
-          "recording's poses, if available. DIR/report.html shows the result, beside the map, the results "
-          "and the output of each tool.") {}
+}  // namespace
 
-void TryApp::addOptions(CommandLine& line) {
-  line.addArgument("RECORDING", recording_);
-  line.addArgument("LATER", later_, false);
-  line.addOption("output,o", folder_, "DIR",
-                 "Folder of the report; RECORDING's name with .try, in the working folder, unless given.");
-  line.addOption("camera", camera_, "FILE|NAME",
-                 "The camera of both recordings: camera.ini, a map or a preset.");
-  line.addOption("depth-scale", depth_scale_, "N", "Image values per metre.");
-  line.addOption("poses-are", poses_are_, "WORDS", "Convention of the poses, as named by facetloc_check.");
-  line.addSwitch("without-poses", without_poses_,
-                 "Estimate the trajectory from the images, even if the RECORDING has poses.");
-  line.addSwitch("open", open_, "Open the report in a browser.");
-  line.addExample("walk1 walk2", "a map of walk1, walk2 in it");
-  line.addExample("walk1 -o tried --open", "one recording, and the report in a browser");
-}
-
-std::vector<TryApp::Stage> TryApp::stages(const CommandLine& line, const Console& console) const {
-  RecordingHints hints;
-  const std::string of_query = later_.empty() ? recording_ : later_;
-  std::vector<std::string> reading;
-  for (const auto& [name, value] :
-       {std::pair("camera", &camera_), {"depth-scale", &depth_scale_}, {"poses-are", &poses_are_}})
-    if (line.given(name)) reading.insert(reading.end(), {std::string("--") + name, *value});
-  const auto withReading = [&](std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), reading.begin(), reading.end());
-    return arguments;
-  };
-  std::vector<std::string> build = withReading({"--overwrite", "-o", in("map.flmap"), recording_});
-  if (without_poses_) build.emplace_back("--without-poses");
-  std::vector<std::string> localize = withReading({in("map.flmap"), of_query, "-o", in("results")});
-  const DepthSequence map_run = openSequence(recording_, hints, console);
-  const DepthSequence query = openSequence(of_query, hints, console);
-  if (query.stamped()) localize.emplace_back("--sequence");
-  std::vector<std::string> evaluate = {in("results"), "--map", in("map.flmap"), "-o", folder_};
-  const bool own_frame = without_poses_ || map_run.groundTruth().empty();
-  if (!query.groundTruth().empty()) {
-    evaluate.insert(evaluate.begin() + 1, of_query);
-    if (own_frame) evaluate.emplace_back("--align");
-    if (!map_run.groundTruth().empty()) evaluate.insert(evaluate.end(), {"--map-groundtruth", recording_});
-  }
-  return {
-      {"check", "how the recording is read", [] { return std::make_unique<CheckApp>(); },
-       withReading({recording_}), "check.txt", "no map gets better than its images: mend that first"},
-      {"build", "images to a map", [] { return std::make_unique<MapBuildApp>(); }, build, "build.txt", ""},
-      {"localize", "where the images were taken", [] { return std::make_unique<LocalizeApp>(); }, localize,
-       "localize.txt", ""},
-      {"evaluate",
-       query.groundTruth().empty() ? "no true poses: statistics of the answers alone"
-                                   : "the answers and the truth",
-       [] { return std::make_unique<EvaluateApp>(); }, evaluate, "evaluate.txt", ""}};
-}
-
-void TryApp::runStage(const Stage& stage, std::size_t number, std::size_t of, const Console& console) const {
-  const std::string title = fmt::format("{}/{} {}", number, of, stage.name);
-  console.print(fmt::format("{}: {}\n", title, stage.what));
-  std::ostringstream out;
-  double seconds = 0;
-  int code = kOk;
-  {
-    const Heartbeat heartbeat(console, title);
-    code = stage.tool()->run(stage.arguments, heartbeat.console(out));
-    seconds = heartbeat.seconds();
-  }
-  writeTextAtomically(in(stage.text_file), [&](std::ostream& file) { file << out.str(); });
-  if (code != kOk) {
-    console.print(out.str());
-    throw std::runtime_error(fmt::format("stopped at {}{}; what it printed is in {}", stage.name,
-                                         stage.advice.empty() ? "" : ": " + stage.advice,
-                                         in(stage.text_file)));
-  }
-  console.print(fmt::format("    {:.1f} s: {}\n", seconds, lastLine(out.str())));
-}
-
-int TryApp::execute(const CommandLine& line, const Console& console) {
-  for (const std::string& recording : {recording_, later_})
-    if (!recording.empty() && !fs::exists(recording)) throw IoError(recording, "does not exist");
-  if (folder_.empty()) folder_ = reportOf(recording_);
-  for (const std::string& recording : {recording_, later_})
-    if (!recording.empty()) requireOutside(folder_, recording);
-  const std::vector<Stage> all = stages(line, console);
-  createFolders(folder_);
-  if (later_.empty())
-    console.note(
-        "no LATER recording: the images of the map itself are localized, which says little of another day");
-  for (std::size_t i = 0; i < all.size(); ++i) runStage(all[i], i + 1, all.size(), console);
-  const std::string report = in("report.html");
-  if (open_) openInBrowser(report, console);
-  console.print("report in " + report + "\n");
-  return kOk;
-}
+std::unique_ptr<App> tryApp() { return std::make_unique<TryApp>(); }
 
 }  // namespace facetloc

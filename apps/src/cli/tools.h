@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cli/app.h"
+
+#include <memory>
+
+namespace facetloc {
+
+/** \brief Makes a tool of the command line. Its options and its work are in the file of its name. */
+using MakeApp = std::unique_ptr<App>();
+MakeApp checkApp, convertApp, evaluateApp, liveApp, localizeApp, registerApp, renderApp, segmentApp,
+    simulateApp, tryApp;
+/** \brief The same of a command of facetloc_map. */
+MakeApp mapBuildApp, mapCalibrateApp, mapCheckApp, mapDensifyApp, mapExportApp, mapExtendApp, mapImportApp,
+    mapInfoApp, mapMergeApp, mapModelApp;
+
+/** \brief facetloc_map: hands over to the tool that its first argument names. \return the exit code. */
+int runMapTool(const std::vector<std::string>& arguments, Console console);
+
+}  // namespace facetloc
