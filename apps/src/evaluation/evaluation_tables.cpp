@@ -6,6 +6,7 @@
 #include <facetloc/features/chi_square.h>
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <functional>
 #include <optional>
@@ -17,16 +18,17 @@ constexpr const char* kNew = "new";
 constexpr const char* kLocal = "Sure answers relative to their local models";
 constexpr const char* kNees = "NEES of correct poses of rank 1 (right: 6)";
 
-/** One row of a table: its name, the paper's figure if known, and ours for each set of frames. */
+/** One row of a table: its name, ours for each set of frames, and the paper's figure if known. */
 struct Quantity {
+  using Value = std::function<double(const Summary&)>;
   const char* table;
   const char* group;  // printed above the first quantity of a group; may be empty
   const char* name;
-  std::optional<double> paper;
-  std::optional<double> paper_percent;
   int decimals;
-  std::function<double(const Summary&)> value;
-  std::function<double(const Summary&)> percent;  // printed beside the value; may be empty
+  Value value;
+  std::optional<double> paper{};
+  Value percent{};  // printed beside the value; may be empty
+  std::optional<double> paper_percent{};
 };
 
 double shareOf(std::size_t n, std::size_t total) {
@@ -34,123 +36,87 @@ double shareOf(std::size_t n, std::size_t total) {
 }
 double percentOf(std::size_t n, const Summary& s) { return shareOf(n, s.total); }
 
-Quantity count(const char* table, const char* name, std::optional<double> paper,
-               std::optional<double> paper_percent, std::size_t Summary::*n) {
+Quantity count(const char* table, const char* name, std::size_t Summary::*n, std::optional<double> paper = {},
+               std::optional<double> paper_percent = {}) {
   return {table,
           "",
           name,
-          paper,
-          paper_percent,
           0,
           [n](const Summary& s) { return static_cast<double>(s.*n); },
-          [n](const Summary& s) { return percentOf(s.*n, s); }};
-}
-
-Quantity moment(const char* group, const char* name, std::optional<double> paper, Statistics Summary::*of,
-                double Statistics::*which) {
-  return {"II", group, name, paper, {}, 2, [of, which](const Summary& s) { return (s.*of).*which; }, {}};
-}
-
-Quantity bound(const char* group, std::optional<double> paper, CumulativeHistogram Summary::*of) {
-  return {"II",
-          group,
-          "99 % are below",
           paper,
-          {},
-          2,
-          [of](const Summary& s) { return (s.*of).bound(kMarkedShare); },
-          {}};
+          [n](const Summary& s) { return percentOf(s.*n, s); },
+          paper_percent};
 }
 
-Quantity nees(const char* name, const std::function<double(const Summary&)>& value, int decimals = 2) {
-  return {"beyond", kNees, name, {}, {}, decimals, value, {}};
+/** The moments of an error, and the bound of most; \param paper of these four. */
+void addErrors(const char* group, Statistics Summary::*of, CumulativeHistogram Summary::*values,
+               const std::array<std::optional<double>, 4>& paper, std::vector<Quantity>& all) {
+  const auto moment = [of](double Statistics::*which) {
+    return [of, which](const Summary& s) { return (s.*of).*which; };
+  };
+  all.push_back({"II", group, "Avg.", 2, moment(&Statistics::mean), paper[0]});
+  all.push_back({"II", group, "Std.", 2, moment(&Statistics::std), paper[1]});
+  all.push_back({"II", group, "Max.", 2, moment(&Statistics::max), paper[2]});
+  all.push_back({"II", group, "99 % are below", 2,
+                 [values](const Summary& s) { return (s.*values).bound(kMarkedShare); }, paper[3]});
 }
 
-Quantity local(const char* name, const std::function<double(const Summary&)>& value, int decimals = 2) {
-  return {"beyond", kLocal, name, {}, {}, decimals, value, {}};
+std::vector<Quantity> allQuantities() {
+  using Y = Summary;
+  std::vector<Quantity> all = {count("I", "Total", &Y::total, 792, 100.00),
+                               count("I", "No hypothesis", &Y::none, 30, 3.79),
+                               count("I", "No correct hypothesis", &Y::wrong, 44, 5.56),
+                               count("I", "Correct hypothesis", &Y::correct, 718, 90.65)};
+  addErrors("Translation error [mm]", &Y::translation_stats, &Y::translation_mm, {36.83, 38.22, 199.65, 164},
+            all);
+  addErrors("Orientation error [deg]", &Y::rotation_stats, &Y::rotation_deg, {0.62, 0.56, 1.99, 1.9}, all);
+  addErrors("Heading error [deg]", &Y::heading_stats, &Y::heading_deg, {}, all);
+  addErrors("Index of the first correct hypothesis", &Y::index_stats, &Y::index, {4.29, 25.53, 530, {}}, all);
+  const std::vector<Quantity> further = {
+      count("states", "Total", &Y::total, 792, 100.00),
+      count("states", "Sure", &Y::sure),
+      count("states", "  correct", &Y::sure_correct),
+      {"states", "", "  share of the sure that is correct [%]", 2,
+       [](const Y& s) { return shareOf(s.sure_correct, s.sure); }},
+      count("states", "Doubtful", &Y::doubtful),
+      count("states", "  rank 1 correct", &Y::doubtful_correct),
+      count("states", "Unknown (in the paper: no hypothesis)", &Y::unknown, 30, 3.79),
+      count("beyond", "Rank 1 correct", &Y::best_correct),
+      {"beyond", "", "Recall at 100 % precision [%]", 2, [](const Y& s) { return 100 * s.recall; }},
+      {"beyond", "", "  at a probability above", 4, [](const Y& s) { return s.threshold; }},
+      {"beyond", "", "Brier score of rank 1", 4, [](const Y& s) { return s.brier; }},
+      count("beyond", "No hypothesis, or rank 1 below 0.5", &Y::unsure),
+      {"beyond", "", "Largest deviation of the probability", 3,
+       [](const Y& s) { return s.largest_deviation; }},
+      {"beyond", kLocal, "Poses", 0, [](const Y& s) { return static_cast<double>(s.local); }},
+      {"beyond", kLocal, "Share within the limits of a correct pose [%]", 2,
+       [](const Y& s) { return shareOf(s.local_correct, s.local); }},
+      {"beyond", kLocal, "Translation error, avg. [mm]", 2,
+       [](const Y& s) { return s.local_translation_stats.mean; }},
+      {"beyond", kLocal, "Translation error, median [mm]", 2,
+       [](const Y& s) { return s.local_translation_median; }},
+      {"beyond", kLocal, "Translation error, max. [mm]", 2,
+       [](const Y& s) { return s.local_translation_stats.max; }},
+      {"beyond", kLocal, "Orientation error, avg. [deg]", 2,
+       [](const Y& s) { return s.local_rotation_stats.mean; }},
+      {"beyond", kLocal, "Orientation error, max. [deg]", 2,
+       [](const Y& s) { return s.local_rotation_stats.max; }},
+      {"beyond", kNees, "Poses", 0, [](const Y& s) { return static_cast<double>(s.nees.size()); }},
+      {"beyond", kNees, "Avg.", 2, [](const Y& s) { return statistics(s.nees).mean; }},
+      {"beyond", kNees, "Median (right: 5.35)", 2,
+       [](const Y& s) { return cumulativeHistogram(s.nees).bound(0.5); }},
+      {"beyond", kNees, "Share within the 95 % ellipsoid [%]", 2, [](const Y& s) {
+         constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
+         return shareOf(static_cast<std::size_t>(std::count_if(s.nees.begin(), s.nees.end(),
+                                                               [](double e) { return e <= kEllipsoid; })),
+                        s.nees.size());
+       }}};
+  all.insert(all.end(), further.begin(), further.end());
+  return all;
 }
 
 const std::vector<Quantity>& quantities() {
-  constexpr const char* kTranslation = "Translation error [mm]";
-  constexpr const char* kOrientation = "Orientation error [deg]";
-  constexpr const char* kHeading = "Heading error [deg]";
-  constexpr const char* kIndex = "Index of the first correct hypothesis";
-  using S = Statistics;
-  using Y = Summary;
-  static const std::vector<Quantity> all = {
-      count("I", "Total", 792, 100.00, &Y::total),
-      count("I", "No hypothesis", 30, 3.79, &Y::none),
-      count("I", "No correct hypothesis", 44, 5.56, &Y::wrong),
-      count("I", "Correct hypothesis", 718, 90.65, &Y::correct),
-      moment(kTranslation, "Avg.", 36.83, &Y::translation_stats, &S::mean),
-      moment(kTranslation, "Std.", 38.22, &Y::translation_stats, &S::std),
-      moment(kTranslation, "Max.", 199.65, &Y::translation_stats, &S::max),
-      bound(kTranslation, 164, &Y::translation_mm),
-      moment(kOrientation, "Avg.", 0.62, &Y::rotation_stats, &S::mean),
-      moment(kOrientation, "Std.", 0.56, &Y::rotation_stats, &S::std),
-      moment(kOrientation, "Max.", 1.99, &Y::rotation_stats, &S::max),
-      bound(kOrientation, 1.9, &Y::rotation_deg),
-      moment(kHeading, "Avg.", {}, &Y::heading_stats, &S::mean),
-      moment(kHeading, "Std.", {}, &Y::heading_stats, &S::std),
-      moment(kHeading, "Max.", {}, &Y::heading_stats, &S::max),
-      bound(kHeading, {}, &Y::heading_deg),
-      moment(kIndex, "Avg.", 4.29, &Y::index_stats, &S::mean),
-      moment(kIndex, "Std.", 25.53, &Y::index_stats, &S::std),
-      moment(kIndex, "Max.", 530, &Y::index_stats, &S::max),
-      bound(kIndex, {}, &Y::index),
-      count("states", "Total", 792, 100.00, &Y::total),
-      count("states", "Sure", {}, {}, &Y::sure),
-      count("states", "  correct", {}, {}, &Y::sure_correct),
-      {"states",
-       "",
-       "  share of the sure that is correct [%]",
-       {},
-       {},
-       2,
-       [](const Y& s) { return shareOf(s.sure_correct, s.sure); },
-       {}},
-      count("states", "Doubtful", {}, {}, &Y::doubtful),
-      count("states", "  rank 1 correct", {}, {}, &Y::doubtful_correct),
-      count("states", "Unknown (in the paper: no hypothesis)", 30, 3.79, &Y::unknown),
-      count("beyond", "Rank 1 correct", {}, {}, &Y::best_correct),
-      {"beyond",
-       "",
-       "Recall at 100 % precision [%]",
-       {},
-       {},
-       2,
-       [](const Y& s) { return 100 * s.recall; },
-       {}},
-      {"beyond", "", "  at a probability above", {}, {}, 4, [](const Y& s) { return s.threshold; }, {}},
-      {"beyond", "", "Brier score of rank 1", {}, {}, 4, [](const Y& s) { return s.brier; }, {}},
-      count("beyond", "No hypothesis, or rank 1 below 0.5", {}, {}, &Y::unsure),
-      {"beyond",
-       "",
-       "Largest deviation of the probability",
-       {},
-       {},
-       3,
-       [](const Y& s) { return s.largest_deviation; },
-       {}},
-      local(
-          "Poses", [](const Y& s) { return static_cast<double>(s.local); }, 0),
-      local("Share within the limits of a correct pose [%]",
-            [](const Y& s) { return shareOf(s.local_correct, s.local); }),
-      local("Translation error, avg. [mm]", [](const Y& s) { return s.local_translation_stats.mean; }),
-      local("Translation error, median [mm]", [](const Y& s) { return s.local_translation_median; }),
-      local("Translation error, max. [mm]", [](const Y& s) { return s.local_translation_stats.max; }),
-      local("Orientation error, avg. [deg]", [](const Y& s) { return s.local_rotation_stats.mean; }),
-      local("Orientation error, max. [deg]", [](const Y& s) { return s.local_rotation_stats.max; }),
-      nees(
-          "Poses", [](const Y& s) { return static_cast<double>(s.nees.size()); }, 0),
-      nees("Avg.", [](const Y& s) { return statistics(s.nees).mean; }),
-      nees("Median (right: 5.35)", [](const Y& s) { return cumulativeHistogram(s.nees).bound(0.5); }),
-      nees("Share within the 95 % ellipsoid [%]", [](const Y& s) {
-        constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
-        return shareOf(static_cast<std::size_t>(std::count_if(s.nees.begin(), s.nees.end(),
-                                                              [](double e) { return e <= kEllipsoid; })),
-                       s.nees.size());
-      })};
+  static const std::vector<Quantity> all = allQuantities();
   return all;
 }
 
