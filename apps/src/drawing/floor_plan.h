@@ -2,7 +2,7 @@
 #pragma once
 
 #include "drawing/page.h"
-#include "drawing/plan_view.h"
+#include "drawing/pictures.h"
 
 #include <facetloc/features/local_model.h>
 
@@ -21,9 +21,17 @@ struct FloorPlan {
 
   Eigen::AlignedBox2d extent() const;
 };
-/** \brief Models without a pose are left out. Throws IoError, with the name of the picture that was to be, if
- * no model of the map has one. */
-FloorPlan floorPlan(const Map& map, int part, const std::filesystem::path& picture);
+/** \brief Models without a pose are left out. */
+FloorPlan floorPlan(const Map& map, int part);
+/** \brief The main part. Throws IoError, with the name of the picture that was to be, if no model of the map
+ * has a pose. */
+FloorPlan floorPlan(const Map& map, const std::filesystem::path& picture);
+
+/** \brief Extends the extent of a plan to runs and marks. */
+void extend(Eigen::AlignedBox2d& extent, const PlanView& view, const std::vector<DrawnRun>& runs,
+            const std::vector<DrawnMarks>& marks);
+/** \brief The largest of 1, 2, 5, 10, ... that does not exceed a length [m]. */
+double roundLength(double length);
 
 /** \brief Scale from metres to a box of a page, in whose middle the extent lies. */
 class PlanScale {

@@ -70,12 +70,8 @@ private:
 class Hulls {
 public:
   void add(const Segment& segment, const Eigen::Isometry3d& T_w_m) {
-    hulls_.emplace_back();
+    hulls_.push_back(cornersOf(segment, T_w_m));
     areas_.push_back(segment.area());
-    for (const Eigen::Vector2f& vertex : segment.hull) {
-      const Eigen::Vector3d in_plane(vertex.x(), vertex.y(), 0);
-      hulls_.back().push_back(T_w_m * (segment.R * in_plane + segment.t));
-    }
   }
 
   /** \return how many are left out. */
@@ -126,8 +122,7 @@ private:
 Json::Value outlineOf(const Segment& segment, const Intrinsics& camera) {
   constexpr double kNearest = 0.05;  // [m]
   Json::Value outline(Json::arrayValue);
-  for (const Eigen::Vector2f& vertex : segment.hull) {
-    const Eigen::Vector3d p = segment.R * Eigen::Vector3d(vertex.x(), vertex.y(), 0) + segment.t;
+  for (const Eigen::Vector3d& p : cornersOf(segment, Eigen::Isometry3d::Identity())) {
     if (p.z() < kNearest) return Json::Value(Json::arrayValue);
     const Eigen::Vector2d pixel = camera.project(p);
     outline.append(static_cast<int>(std::clamp(1000 * pixel.x() / camera.width, -9999.0, 9999.0)));

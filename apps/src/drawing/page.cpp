@@ -46,18 +46,15 @@ static_assert(static_cast<int>(Across::left) == VTK_TEXT_LEFT &&
               static_cast<int>(Across::centre) == VTK_TEXT_CENTERED &&
               static_cast<int>(Across::right) == VTK_TEXT_RIGHT);
 
-vtkNew<vtkImageData> toImage(const Raster<std::uint8_t>& rgb) {
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(rgb.width, rgb.height, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  const std::size_t row = 3 * static_cast<std::size_t>(rgb.width);
-  for (int v = 0; v < rgb.height; ++v)
-    std::copy_n(&rgb.data[row * v], row,
-                static_cast<std::uint8_t*>(image->GetScalarPointer(0, rgb.height - 1 - v, 0)));
-  return image;
-}
-
 }  // namespace
+
+std::vector<Eigen::Vector2d> unitCircle(int corners) {
+  constexpr double kTurn = 2 * 3.14159265358979323846;
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < corners; ++i)
+    points.emplace_back(std::cos(kTurn * i / corners), std::sin(kTurn * i / corners));
+  return points;
+}
 
 double textWidth(const std::string& text, const TextStyle& style) {
   constexpr int kDotsPerInch = 72;  // a point is a pixel
@@ -115,12 +112,8 @@ void Page::polygon(const Points& convex, const Colour& fill) {
 }
 
 void Page::disk(const Eigen::Vector2d& centre, double radius, const Colour& fill) {
-  constexpr int kCorners = 32;
-  constexpr double kTurn = 2 * 3.14159265358979323846;
-  Points points;
-  for (int i = 0; i < kCorners; ++i)
-    points.push_back(
-        centre + radius * Eigen::Vector2d(std::cos(kTurn * i / kCorners), std::sin(kTurn * i / kCorners)));
+  Points points = unitCircle(32);
+  for (Eigen::Vector2d& p : points) p = centre + radius * p;
   polygon(points, fill);
 }
 

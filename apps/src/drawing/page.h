@@ -40,6 +40,9 @@ struct TextStyle {
   Across across = Across::left;
 };
 
+/** \brief The corners of a regular polygon about the origin, of radius 1. */
+std::vector<Eigen::Vector2d> unitCircle(int corners);
+
 /** \brief Width of a text [px]. */
 double textWidth(const std::string& text, const TextStyle& style);
 

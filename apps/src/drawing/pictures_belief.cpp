@@ -2,8 +2,6 @@
 #include "drawing/floor_plan.h"
 #include "drawing/pictures.h"
 
-#include <facetloc/features/map_parts.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -68,12 +66,9 @@ void drawBar(Page& page, const Box& box, const DrawnBelief& belief, const Colour
 }
 
 void drawRing(Page& page, const Eigen::Vector2d& centre, double radius, const Colour& colour) {
-  constexpr int kCorners = 36;
-  constexpr double kTurn = 2 * 3.14159265358979323846;
-  Page::Points points;
-  for (int i = 0; i <= kCorners; ++i)
-    points.push_back(
-        centre + radius * Eigen::Vector2d(std::cos(kTurn * i / kCorners), std::sin(kTurn * i / kCorners)));
+  Page::Points points = unitCircle(36);
+  points.push_back(points.front());
+  for (Eigen::Vector2d& p : points) p = centre + radius * p;
   page.line(points, {colour, 1.2});
 }
 
@@ -98,7 +93,7 @@ void drawBelief(Page& page, const PlanScale& scale, const FloorPlan& plan, const
 
 void drawBeliefs(const std::filesystem::path& path, const Map& map, const std::vector<DrawnBelief>& beliefs) {
   if (beliefs.empty()) throw std::invalid_argument("a film strip needs an image");
-  const FloorPlan plan = floorPlan(map, mainPart(map), path);
+  const FloorPlan plan = floorPlan(map, path);
   const Eigen::AlignedBox2d extent = extentOf(plan, beliefs);
   const Grid grid = gridFor(beliefs.size(), extent);
   const Eigen::Vector2d size = grid.pixels_per_metre * extent.sizes().cwiseMax(kLeastExtent);

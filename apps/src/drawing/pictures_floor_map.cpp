@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/floor_plan.h"
-#include "drawing/pictures.h"
-
-#include <facetloc/features/map_parts.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,17 +15,6 @@ constexpr double kMargin = 24;                     // around everything [px]
 constexpr double kLegendRow = 26;                  // [px]
 constexpr double kSample = 30;                     // width of the sample before a word of the legend [px]
 constexpr Colour kModel = {213, 94, 0}, kLink = {230, 159, 0};
-
-Eigen::AlignedBox2d extentOf(const FloorPlan& plan, const std::vector<DrawnRun>& runs,
-                             const std::vector<DrawnMarks>& marks) {
-  Eigen::AlignedBox2d extent = plan.extent();
-  const auto extend = [&](const std::vector<Eigen::Isometry3d>& poses) {
-    for (const Eigen::Isometry3d& T : poses) extent.extend(plan.view.point(T.translation()));
-  };
-  for (const DrawnRun& run : runs) extend(run.T_w_c);
-  for (const DrawnMarks& mark : marks) extend(mark.T_w_c);
-  return extent;
-}
 
 PlanScale scaleFor(const Eigen::AlignedBox2d& extent) {
   const double pixels_per_metre = pixelsPerMetreFor(extent, kWidest, kHighest);
@@ -120,14 +106,6 @@ std::vector<PlacedEntry> placed(const std::vector<LegendEntry>& entries, double 
   return out;
 }
 
-/** The largest of 1, 2, 5, 10, ... that does not exceed a length [m]. */
-double roundLength(double length) {
-  const double power = std::pow(10, std::floor(std::log10(length)));
-  for (const double factor : {5.0, 2.0})
-    if (factor * power <= length) return factor * power;
-  return power;
-}
-
 void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
   const double length = roundLength(160 / scale.pixelsPerMetre());
   const double width = scale.pixelsPerMetre() * length;
@@ -142,7 +120,9 @@ void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
 
 void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const std::vector<DrawnRun>& runs,
                  const std::vector<DrawnMarks>& marks) {
-  const PlanScale scale = scaleFor(extentOf(plan, runs, marks));
+  Eigen::AlignedBox2d extent = plan.extent();
+  extend(extent, plan.view, runs, marks);
+  const PlanScale scale = scaleFor(extent);
 
   constexpr double kBarWidth = 260;
   double legend_height = 0;
@@ -164,7 +144,7 @@ void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const
 
 void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
                   const std::vector<DrawnMarks>& marks) {
-  drawPicture(path, floorPlan(map, mainPart(map), path), runs, marks);
+  drawPicture(path, floorPlan(map, path), runs, marks);
 }
 
 void drawRuns(const std::filesystem::path& path, const PlanView& view, const std::vector<DrawnRun>& runs) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace facetloc {
 namespace {
@@ -42,6 +41,13 @@ Eigen::Vector3d guessInView(const std::optional<CameraMounting>& mounting) {
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> cornersOf(const Segment& segment, const Eigen::Isometry3d& T) {
+  std::vector<Eigen::Vector3d> corners;
+  for (const Eigen::Vector2f& v : segment.hull)
+    corners.push_back(T * (segment.t + segment.R.leftCols<2>() * v.cast<double>()));
+  return corners;
+}
 
 Eigen::Vector3d upInView(const View& view, const std::optional<CameraMounting>& mounting) {
   const Eigen::Vector3d guess = guessInView(mounting);

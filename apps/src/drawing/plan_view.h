@@ -4,8 +4,12 @@
 #include <facetloc/features/local_model.h>
 
 #include <optional>
+#include <vector>
 
 namespace facetloc {
+
+/** \brief The corners of a segment's hull in another frame. */
+std::vector<Eigen::Vector3d> cornersOf(const Segment& segment, const Eigen::Isometry3d& T);
 
 /** \brief Which way is up in a camera's frame, unit vector: by its mounting, or else by the planes that lie
  * about across the image's vertical. */

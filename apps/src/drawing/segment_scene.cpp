@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/segment_scene.h"
 
+#include "drawing/plan_view.h"
+
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
@@ -72,9 +74,7 @@ Eigen::Vector2d centring(const std::vector<Eigen::Vector3d>& seen, Eigen::Vector
 
 void SegmentScene::add(const Segment& segment, const Eigen::Isometry3d& T, const SegmentLook& look) {
   if (segment.hull.size < 3) return;
-  Polygon corners;
-  for (const Eigen::Vector2f& v : segment.hull)
-    corners.push_back(T * (segment.t + segment.R.leftCols<2>() * v.cast<double>()));
+  const Polygon corners = cornersOf(segment, T);
   content_.insert(content_.end(), corners.begin(), corners.end());
   if (look.fill) addFill(corners, *look.fill);
   addLine(corners, true, look.outline, look.outline_width);

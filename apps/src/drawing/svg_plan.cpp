@@ -4,8 +4,6 @@
 #include "drawing/floor_plan.h"
 #include "drawing/html_text.h"
 
-#include <facetloc/features/map_parts.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -33,10 +31,7 @@ Eigen::AlignedBox2d extentOf(const FloorPlan& plan, const std::vector<DrawnRun>&
     extent.extend(Eigen::Vector2d(x[x.size() - 1 - first], y[y.size() - 1 - first]));
   }
   for (const Eigen::Isometry3d& T : plan.models) extent.extend(plan.view.point(T.translation()));
-  for (const DrawnRun& run : runs)
-    for (const Eigen::Isometry3d& T : run.T_w_c) extent.extend(plan.view.point(T.translation()));
-  for (const DrawnMarks& mark : marks)
-    for (const Eigen::Isometry3d& T : mark.T_w_c) extent.extend(plan.view.point(T.translation()));
+  extend(extent, plan.view, runs, marks);
   return extent;
 }
 
@@ -89,10 +84,7 @@ std::string marksOf(const FloorPlan& plan, const PlanScale& scale, const std::ve
 }
 
 std::string scaleBarOf(const PlanScale& scale) {
-  const double wanted = 120 / scale.pixelsPerMetre(), power = std::pow(10, std::floor(std::log10(wanted)));
-  double length = power;
-  for (const double factor : {2.0, 5.0})
-    if (factor * power <= wanted) length = factor * power;
+  const double length = roundLength(120 / scale.pixelsPerMetre());
   const double right = scale.box().right(), y = scale.box().bottom() + 10;
   return fmt::format(
       R"(<path class="bar" d="M{:.1f} {:.1f}H{:.1f}"/><text x="{:.1f}" y="{:.1f}" text-anchor="end">{:.9g} m</text>)",
@@ -115,7 +107,7 @@ std::string legendOf(const std::vector<DrawnRun>& runs, const std::vector<DrawnM
 
 std::string svgFloorMap(const Map& map, const std::vector<DrawnRun>& runs,
                         const std::vector<DrawnMarks>& marks, const std::string& caption) {
-  const FloorPlan plan = floorPlan(map, mainPart(map), "the plan");
+  const FloorPlan plan = floorPlan(map, "the plan");
   const Eigen::AlignedBox2d extent = extentOf(plan, runs, marks);
   const double pixels_per_metre = pixelsPerMetreFor(extent, kWidth, kHighest);
   const double height = std::max(120.0, std::ceil(pixels_per_metre * extent.sizes().y()));

@@ -10,6 +10,17 @@
 
 namespace facetloc {
 
+vtkNew<vtkImageData> toImage(const Raster<std::uint8_t>& rgb) {
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(rgb.width, rgb.height, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  const std::size_t row = 3 * static_cast<std::size_t>(rgb.width);
+  for (int v = 0; v < rgb.height; ++v)
+    std::copy_n(&rgb.data[row * v], row,
+                static_cast<std::uint8_t*>(image->GetScalarPointer(0, rgb.height - 1 - v, 0)));
+  return image;
+}
+
 void setOffscreen(vtkRenderWindow* window, int width, int height) {
   window->SetOffScreenRendering(1);
   window->SetMultiSamples(0);  // the same picture on every machine

@@ -3,9 +3,15 @@
 
 #include <facetloc/io/png.h>
 
+#include <vtkNew.h>
+
+class vtkImageData;
 class vtkRenderWindow;
 
 namespace facetloc {
+
+/** \brief A picture, RGB, as VTK has it: its first row is the lowest. */
+vtkNew<vtkImageData> toImage(const Raster<std::uint8_t>& rgb);
 
 /** \brief Makes a window invisible, and its rendering the same everywhere. [px] */
 void setOffscreen(vtkRenderWindow* window, int width, int height);

@@ -27,7 +27,6 @@ constexpr Colour kModelOnly = {120, 120, 120};  // the other way round
 constexpr std::size_t kMostFrames = 10;         // segment frames drawn, the most useful first
 constexpr double kAxis = 0.16;                  // [m]
 constexpr double kMagnification = 10;           // factor on 2 standard deviations of a normal
-constexpr double kTurn = 2 * 3.14159265358979323846;
 
 }  // namespace
 
@@ -95,15 +94,13 @@ void LiveCloud::showPoints(const SeenImage& image, const LiveColours& colours) {
 /** Axes x red, y green, and the normal blue, around whose tip the true one lies. Eq. (2). */
 void LiveCloud::addFrame(const Segment& segment) {
   constexpr Colour kX = {200, 30, 30}, kY = {20, 140, 20}, kNormal = {20, 40, 200};
-  constexpr int kCorners = 24;
   frames_.line({segment.t, segment.t + kAxis * segment.R.col(0)}, kX);
   frames_.line({segment.t, segment.t + kAxis * segment.R.col(1)}, kY);
   const Eigen::Vector3d tip = segment.t + kAxis * segment.R.col(2);
   frames_.line({segment.t, tip}, kNormal);
   const Eigen::Matrix2d root = segment.Sigma_q.topLeftCorner<2, 2>().llt().matrixL();
   Shapes::Points ellipse;
-  for (int i = 0; i < kCorners; ++i) {
-    const Eigen::Vector2d unit(std::cos(kTurn * i / kCorners), std::sin(kTurn * i / kCorners));
+  for (const Eigen::Vector2d& unit : unitCircle(24)) {
     const Eigen::Vector2d tilt = 2 * kMagnification * (root * unit);
     ellipse.push_back(tip + kAxis * (segment.R.leftCols<2>() * tilt));
   }
@@ -148,12 +145,6 @@ std::optional<std::size_t> LiveCloud::segmentAt(const View& view, const Eigen::V
 std::optional<std::size_t> LiveCloud::show(const LiveResult& result, const LiveColours& colours,
                                            const Map* map, const PanelLook& look,
                                            const std::optional<Eigen::Vector2d>& pixel) {
-  const auto cornersOf = [](const Segment& s, const Eigen::Isometry3d& T) {
-    Shapes::Points corners;
-    for (const Eigen::Vector2f& v : s.hull)
-      corners.push_back(T * (s.t + s.R.leftCols<2>() * v.cast<double>()));
-    return corners;
-  };
   showPoints(result.image, colours);
   const auto& segments = result.image.view.segments;
   for (std::size_t k = 0; k < segments.size(); ++k)

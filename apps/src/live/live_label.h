@@ -3,6 +3,7 @@
 
 #include "drawing/depth_drawing.h"
 #include "drawing/page.h"
+#include "drawing/vtk_picture.h"
 
 #include <vtkActor2D.h>
 #include <vtkImageData.h>
@@ -12,7 +13,6 @@
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -81,16 +81,7 @@ public:
     renderer->AddActor2D(actor_);
   }
   void show(const Raster<std::uint8_t>& rgb, const Box& box, double window_height) {
-    const int width = static_cast<int>(box.width), height = static_cast<int>(box.height);
-    const Raster<std::uint8_t> picture = resized(rgb, width, height);
-    vtkNew<vtkImageData> image;
-    image->SetDimensions(width, height, 1);
-    image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-    const std::size_t row = 3 * static_cast<std::size_t>(width);
-    for (int v = 0; v < height; ++v)
-      std::copy_n(&picture.data[row * v], row,
-                  static_cast<std::uint8_t*>(image->GetScalarPointer(0, height - 1 - v, 0)));
-    mapper_->SetInputData(image);
+    mapper_->SetInputData(toImage(resized(rgb, static_cast<int>(box.width), static_cast<int>(box.height))));
     actor_->SetPosition(std::round(box.left), std::round(window_height - box.bottom()));
     actor_->VisibilityOn();
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_plan.h"
 
+#include "drawing/floor_plan.h"
+
 #include <facetloc/features/map_parts.h>
 
 #include <Eigen/Eigenvalues>
@@ -14,11 +16,9 @@ namespace facetloc {
 namespace {
 
 constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrajectory = {31, 119, 180};
-constexpr double kTallest = 1.5;     // a segment of this height or more is drawn darkest [m]
 constexpr double kNearHeight = 3.0;  // largest height of the close-up [m]
 constexpr double kReach = 12;        // largest distance of a click from its target [px]
 constexpr double kSigmas = 2;        // size of the ellipse in standard deviations
-constexpr double kTurn = 2 * 3.14159265358979323846;
 enum Level {
   kGround,
   kLinkLevel,
@@ -33,12 +33,8 @@ enum Level {
 Eigen::Vector3d at(const Eigen::Vector2d& p, Level level) { return {p.x(), p.y(), double(level)}; }
 
 Shapes::Points disk(const Eigen::Vector2d& centre, const Eigen::Matrix2d& shape, Level level) {
-  constexpr int kCorners = 36;
   Shapes::Points points;
-  for (int i = 0; i < kCorners; ++i)
-    points.push_back(
-        at(centre + shape * Eigen::Vector2d(std::cos(kTurn * i / kCorners), std::sin(kTurn * i / kCorners)),
-           level));
+  for (const Eigen::Vector2d& unit : unitCircle(36)) points.push_back(at(centre + shape * unit, level));
   return points;
 }
 
@@ -57,9 +53,8 @@ Colour poseColour(const LiveResult& result) {
 
 }  // namespace
 
-LivePlan::LivePlan(std::shared_ptr<const Map> map)
-    : map_(std::move(map)), part_(mainPart(*map_)), plan_(upInPart(*map_, part_)) {
-  showPart(part_);
+LivePlan::LivePlan(std::shared_ptr<const Map> map) : map_(std::move(map)), plan_(Eigen::Vector3d::UnitZ()) {
+  showPart(mainPart(*map_));
   for (Panel* panel : {&whole_, &near_}) {
     panel->renderer->SetBackground(1, 1, 1);
     panel->renderer->UseFXAAOn();
@@ -69,31 +64,21 @@ LivePlan::LivePlan(std::shared_ptr<const Map> map)
 }
 
 void LivePlan::showPart(int part) {
-  const Map& map = *map_;
+  constexpr double kRadius = 0.06;  // local models [m]
+  const FloorPlan plan = floorPlan(*map_, part);
   part_ = part;
-  plan_ = PlanView(upInPart(map, part));
-  extent_.setEmpty();
-  for (std::size_t i = 0; i < map.models.size(); ++i) {
-    const LocalModel& model = map.models[i];
-    if (!model.T_w_m || model.part != part) continue;
-    const Eigen::Vector2d place = plan_.point(model.T_w_m->translation());
-    extent_.extend(place);
-    constexpr double kRadius = 0.06;  // [m]
-    links_.polygon(disk(place, kRadius * Eigen::Matrix2d::Identity(), kModelLevel), kModel);
-    for (const Segment& segment : map.view(static_cast<int>(i))->segments)
-      if (const auto line = plan_.line(segment, *model.T_w_m)) {
-        const double dark = 0.2 + 0.7 * std::min(1.0, line->height / kTallest);
-        walls_.line({at(line->from, kGround), at(line->to, kGround)}, mixed(kWhite, kWall, dark));
-        extent_.extend(line->from), extent_.extend(line->to);
-      }
+  plan_ = plan.view;
+  extent_ = plan.extent();
+  for (const PlanLine& wall : plan.walls) {
+    const double dark = 0.2 + 0.7 * std::min(1.0, wall.height / kTallestWall);
+    walls_.line({at(wall.from, kGround), at(wall.to, kGround)}, mixed(kWhite, kWall, dark));
   }
-  for (const Link& link : map.links) {
-    const auto &from = map.models[link.from].T_w_m, &to = map.models[link.to].T_w_m;
-    if (from && to && map.models[link.from].part == part)
-      links_.line(
-          {at(plan_.point(from->translation()), kLinkLevel), at(plan_.point(to->translation()), kLinkLevel)},
-          mixed(kModel, kWhite, 0.4));
-  }
+  for (const Eigen::Isometry3d& T : plan.models)
+    links_.polygon(disk(plan_.point(T.translation()), kRadius * Eigen::Matrix2d::Identity(), kModelLevel),
+                   kModel);
+  for (const auto& [from, to] : plan.links)
+    links_.line({at(plan_.point(from), kLinkLevel), at(plan_.point(to), kLinkLevel)},
+                mixed(kModel, kWhite, 0.4));
   walls_.show(), links_.show();
 }
 

@@ -55,7 +55,7 @@ private:
   void markPlaces(Panel& panel, const LiveResult& result, double metres_per_pixel);
 
   std::shared_ptr<const Map> map_;
-  int part_;  // that is shown
+  int part_ = 0;  // that is shown
   PlanView plan_;
   Eigen::AlignedBox2d extent_;
   double near_height_ = 1;  // [m]
