@@ -2,7 +2,6 @@
 #include "browser.h"
 #include "drawing/html_text.h"
 #include "drawing/map_page.h"
-#include "drawing/map_page_data.h"
 #include "drawing/matched_segments.h"
 #include "drawing/page_files.h"
 #include "drawing/thumbnail.h"
@@ -10,6 +9,8 @@
 #include "golden.h"
 
 #include <facetloc/io/error.h>
+
+#include <json/value.h>
 
 namespace facetloc::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 /** \file
- * The part of MPI that Ranks needs, in a library of its own (message_passing_mpi.cpp), which join() loads. A
+ * The part of MPI that Ranks needs, in a library of its own (message_passing_mpi.cpp), which Ranks loads. A
  * process that waits sleeps meanwhile, and leaves the processor to others. */
 
 namespace facetloc::mpi {
@@ -17,25 +17,17 @@ struct ProcessId {
   int ranks_here;  ///< on this machine
 };
 
-/** \brief Throws std::runtime_error, also where the library is missing. The other functions need join()
- * first. */
-ProcessId join();
-void leave();
-void abort(int code);
-/** \brief Begins to send, and waits only if much is on its way already. */
-void send(const std::string& bytes, int to);
-/** \brief Waits until all that was sent is received, or on its way without this process. */
-void flush();
-/** \brief Nothing if it is given up before there is a message. */
-std::optional<std::string> receive(int from, const std::function<bool()>& givesUp);
-
-/** \brief These functions, of the library. */
+/** \brief The functions of the library. */
 struct Calls {
+  /** \brief Throws std::runtime_error. The other functions need it first. */
   ProcessId (*join)();
   void (*leave)();
   void (*abort)(int code);
+  /** \brief Begins to send, and waits only if much is on its way already. */
   void (*send)(const std::string& bytes, int to);
+  /** \brief Waits until all that was sent is received, or on its way without this process. */
   void (*flush)();
+  /** \brief Nothing if it is given up before there is a message. */
   std::optional<std::string> (*receive)(int from, const std::function<bool()>& givesUp);
 };
 extern "C" const Calls* facetlocMessagePassing();

@@ -14,7 +14,7 @@
 #include <vector>
 
 namespace facetloc::mpi {
-namespace mpi_calls {
+namespace {
 
 constexpr std::uint64_t kPiece = 1u << 30;  // [B] MPI counts are int
 constexpr auto kNap = std::chrono::milliseconds(1);
@@ -97,11 +97,10 @@ std::optional<std::string> receive(int from, const std::function<bool()>& givesU
   return bytes;
 }
 
-}  // namespace mpi_calls
+}  // namespace
 
 extern "C" const Calls* facetlocMessagePassing() {
-  static const Calls calls{mpi_calls::join, mpi_calls::leave, mpi_calls::abort,
-                           mpi_calls::send, mpi_calls::flush, mpi_calls::receive};
+  static const Calls calls{join, leave, abort, send, flush, receive};
   return &calls;
 }
 

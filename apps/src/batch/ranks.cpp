@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/ranks.h"
 
+#include "base/module.h"
 #include "batch/message_passing.h"
 
 #include <algorithm>
@@ -16,12 +17,25 @@ namespace {
 constexpr char kMessage = 'm', kFailure = 'f', kEnd = 'e';  // first byte of a message to rank 0
 
 Ranks g_here;
-int g_to_hear = 2;  // messages of the first that a rank has not heard yet: see SharedBatch
+const mpi::Calls* g_mpi = nullptr;  // set by join(); a process alone sends nothing
+int g_to_hear = 2;                  // messages of the first that a rank has not heard yet: see SharedBatch
 
 /** Tested by the variables that mpirun and srun set: Open MPI, PMIx; MPICH and its kin. */
 bool startedByMpirun() {
   const auto has = [](const char* name) { return std::getenv(name) != nullptr; };
   return has("OMPI_COMM_WORLD_SIZE") || has("PMIX_RANK") || has("PMI_RANK");
+}
+
+const mpi::Calls& load() {
+  std::string problem = "it was built without MPI";
+  const auto calls = *FACETLOC_MPI_MODULE ? internal::loadFunction<const mpi::Calls*()>(
+                                                FACETLOC_MPI_MODULE, "facetlocMessagePassing", problem)
+                                          : nullptr;
+  if (!calls)
+    throw std::runtime_error(
+        "cannot be started by mpirun: install the package facetloc-tools-mpi, or start it without (" +
+        problem + ")");
+  return *calls();
 }
 
 /** The machine's cores over its ranks, and no more than mpirun has bound this one to. */
@@ -40,7 +54,8 @@ const Ranks& Ranks::here() { return g_here; }
 
 void Ranks::join() {
   if (!startedByMpirun()) return;
-  const mpi::ProcessId place = mpi::join();
+  g_mpi = &load();
+  const mpi::ProcessId place = g_mpi->join();
   g_here.rank_ = place.rank;
   g_here.size_ = place.size;
   g_here.threads_ = threadsFor(place.ranks_here);
@@ -48,35 +63,35 @@ void Ranks::join() {
 }
 
 void Ranks::leave() const {
-  if (joined_) mpi::leave();
+  if (joined_) g_mpi->leave();
 }
 
 void Ranks::abort(int code) const {
-  if (joined_) mpi::abort(code);
+  if (joined_) g_mpi->abort(code);
 }
 
 void Ranks::fail(int code, const std::string& what) const {
   while (g_to_hear > 0) hear();  // the first may be waiting for that
-  mpi::send(kFailure + toBytes(std::vector<std::string>{std::to_string(code), what}), 0);
-  mpi::flush();
+  g_mpi->send(kFailure + toBytes(std::vector<std::string>{std::to_string(code), what}), 0);
+  g_mpi->flush();
   while (true) pause();  // until the first one, which may fail for the same reason, ends the job
 }
 
 void Ranks::tell(const std::string& bytes) const {
-  for (int rank = 1; rank < size_; ++rank) mpi::send(bytes, rank);
-  mpi::flush();
+  for (int rank = 1; rank < size_; ++rank) g_mpi->send(bytes, rank);
+  if (g_mpi) g_mpi->flush();
 }
 
 std::string Ranks::hear() const {
-  std::string bytes = *mpi::receive(0, kNever);
+  std::string bytes = *g_mpi->receive(0, kNever);
   --g_to_hear;
   return bytes;
 }
 
-void Ranks::send(const std::string& bytes) const { mpi::send(kMessage + bytes, 0); }
+void Ranks::send(const std::string& bytes) const { g_mpi->send(kMessage + bytes, 0); }
 
 std::optional<std::string> Ranks::receive(int rank, const std::function<bool()>& givesUp) const {
-  auto bytes = mpi::receive(rank, givesUp);
+  auto bytes = g_mpi->receive(rank, givesUp);
   if (!bytes) return {};
   const char kind = bytes->at(0);
   bytes->erase(0, 1);
@@ -86,8 +101,8 @@ std::optional<std::string> Ranks::receive(int rank, const std::function<bool()>&
 }
 
 void Ranks::finish() const {
-  mpi::send(std::string(1, kEnd), 0);
-  mpi::flush();
+  g_mpi->send(std::string(1, kEnd), 0);
+  g_mpi->flush();
 }
 
 void Ranks::waitForOthers() const {

@@ -36,11 +36,7 @@ std::string withoutComment(const std::string& line) {
   return line;
 }
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
+std::string trimmed(const std::string& line) { return std::string(text::trimmed(line)); }
 
 bool isTruthValue(const std::string& text) {
   static const std::set<std::string> known = {"0", "1", "false", "true", "no", "yes", "off", "on"};
@@ -53,14 +49,13 @@ bool asksForOption(const std::string& argument) {
 }
 
 std::string wrapped(const std::string& paragraph) {
-  std::istringstream words(paragraph);
   std::string out, line;
-  for (std::string word; words >> word;) {
+  for (const std::string_view word : text::words(paragraph)) {
     if (!line.empty() && line.size() + 1 + word.size() > kHelpWidth) {
       out += line + "\n";
       line.clear();
     }
-    line += (line.empty() ? "" : " ") + word;
+    line.append(line.empty() ? "" : " ").append(word);
   }
   return out + line + "\n";
 }

@@ -10,6 +10,10 @@
 #include <string>
 #include <vector>
 
+namespace Json {
+class Value;
+}
+
 namespace facetloc {
 
 /** \brief A place where an image may have been taken. */
@@ -57,5 +61,8 @@ constexpr int kMostLinks = 30;
  * drawn. Throws IoError if no local model of the map has a pose, or the page cannot be written;
  * std::runtime_error if facetloc was built without three.js. */
 void writeMapPage(const std::filesystem::path& path, const Map& map, const MapPage& page);
+/** \brief Its data, for apps/pages/map.js. Throws IoError, with the name of the page that was to be, if no
+ * local model of the map has a pose. */
+Json::Value mapPageData(const Map& map, const MapPage& page, const std::filesystem::path& path);
 
 }  // namespace facetloc

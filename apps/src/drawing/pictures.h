@@ -7,6 +7,7 @@
 
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/local_model.h>
+#include <facetloc/io/png.h>
 
 #include <filesystem>
 #include <optional>
@@ -78,5 +79,11 @@ struct DrawnMatch {
  * colour; a failure shows rank 1 and the answer that would be right. */
 void drawMatches(const std::filesystem::path& path, const SeenImage& query, const Map& map,
                  const std::vector<DrawnMatch>& answers);
+/** \brief The picture that drawMatches() writes. */
+Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,
+                                    const std::vector<DrawnMatch>& answers);
+
+/** \brief Throws std::invalid_argument for an image without pixels or with labels of another size. */
+void checkDrawable(const SeenImage& image);
 
 }  // namespace facetloc

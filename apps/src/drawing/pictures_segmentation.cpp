@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/text.h"
 #include "drawing/depth_drawing.h"
-#include "drawing/match_pictures.h"
 #include "drawing/page.h"
+#include "drawing/pictures.h"
 #include "drawing/plan_view.h"
 #include "drawing/segment_scene.h"
 

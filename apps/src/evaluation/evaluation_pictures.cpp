@@ -4,7 +4,9 @@
 #include "drawing/svg_plan.h"
 #include "evaluation/answer_page.h"
 #include "evaluation/failures.h"
-#include "evaluation/run_images.h"
+#include "inputs/depth_input.h"
+
+#include <facetloc/io/error.h>
 
 #include <fmt/format.h>
 #include <map>
@@ -48,6 +50,49 @@ std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation) {
   }
   return marks;
 }
+
+/** The depth images of all runs of a place, where they are there. Of runs whose images have the same names,
+ * the one that is asked for goes first. */
+class RunImages {
+public:
+  RunImages(const PlaceTruth& truth, const Map& map) : map_(map) {
+    for (const PlaceTruth::Sequence& s : truth.sequences()) {
+      const auto sequence = imagesIn(s.folder);
+      if (!sequence) continue;
+      for (std::size_t i = 0; i < sequence->frames().size(); ++i)
+        for (const std::string& run : {s.folder.filename().string(), std::string()})
+          places_.emplace(std::make_pair(run, sequence->frames()[i].name), Place{sequence, i});
+    }
+  }
+
+  bool has(const std::string& name) const { return places_.count({"", name}) > 0; }
+
+  /** An image that is there, seen by its camera as the map knows it. */
+  SeenImage seen(const std::string& run, const std::string& name) const {
+    const auto found = places_.find({run, name});
+    const Place& place = found == places_.end() ? places_.at({"", name}) : found->second;
+    const DepthInput defaults;
+    const auto& file = place.sequence->camera();
+    ViewBuilder builder(map_.calibrated(file ? file->camera : Camera()), defaults.view);
+    return see(name, place.sequence->load(place.index, defaults.width), builder);
+  }
+
+private:
+  struct Place {
+    std::shared_ptr<const DepthSequence> sequence;
+    std::size_t index;
+  };
+
+  /** Null if there are poses alone: a report does without pictures then. */
+  static std::shared_ptr<const DepthSequence> imagesIn(const fs::path& recording) try {
+    return std::make_shared<const DepthSequence>(DepthSequence::open(recording));
+  } catch (const IoError&) {
+    return nullptr;
+  }
+
+  const Map& map_;
+  std::map<std::pair<std::string, std::string>, Place> places_;  // keyed by run, or "", and name
+};
 
 }  // namespace
 

@@ -42,9 +42,8 @@ std::vector<std::string> linesOf(const fs::path& path) {
 
 std::vector<double> numbersOf(const std::string& line) {
   std::vector<double> numbers;
-  for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
-    end = line.find(',', begin);
-    const auto number = text::to<double>(line.substr(begin, end - begin));
+  for (const std::string_view cell : text::split(line, ',')) {
+    const auto number = text::to<double>(cell);
     if (!number || !std::isfinite(*number)) return {};
     numbers.push_back(*number);
   }
@@ -62,12 +61,8 @@ LabelImage subsampledLabels(const Raster<std::uint16_t>& image, int step) {
 
 std::set<std::string> namesOf(const fs::path& path) {
   std::set<std::string> names;
-  for (std::string line : linesOf(path)) {
-    line.erase(std::min(line.find('#'), line.size()));
-    line.erase(line.find_last_not_of(" \t") + 1);
-    line.erase(0, line.find_first_not_of(" \t"));
-    if (!line.empty()) names.insert(line);
-  }
+  for (const std::string& line : linesOf(path))
+    if (const auto name = text::trimmed(text::withoutComment(line)); !name.empty()) names.emplace(name);
   return names;
 }
 

@@ -25,7 +25,12 @@ public:
       : odometry_(std::move(odometry)), mounting_(mounting), error_(error) {}
 
   /** \brief T_before_now since the last call; nothing at the first, and where the odometry has a gap. */
-  std::optional<PoseWithCovariance> until(double stamp);
+  std::optional<PoseWithCovariance> until(double stamp) {
+    if (!odometry_) return {};
+    const std::optional<Eigen::Isometry3d> T_before_now = steps_.to(odometry_(stamp));
+    if (!T_before_now) return {};
+    return motionByOdometry(*T_before_now, mounting_, error_);
+  }
 
 private:
   PosesByTime odometry_;
@@ -42,7 +47,12 @@ public:
       : localizer_(std::move(localizer)), motion_(std::move(motion)), smoothing_(smoothing) {}
 
   /** \brief The answer by all images up to this one. */
-  Localization add(const View& view, double stamp);
+  Localization add(const View& view, double stamp) {
+    const std::optional<PoseWithCovariance> motion = motion_.until(stamp);
+    Localization answer = localizer_.update(view, stamp, motion);
+    if (smoothing_) views_.push_back({view, stamp, motion, answer});
+    return answer;
+  }
 
   /** \brief The answers to its images by all of them, in the order of add(). \param done is called after each
    * image */

@@ -5,7 +5,6 @@
 #include "batch/batch.h"
 #include "cli/text.h"
 #include "cli/tools.h"
-#include "drawing/match_pictures.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
