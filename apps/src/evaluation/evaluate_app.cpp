@@ -106,8 +106,7 @@ private:
     line.addSwitch(
         "align", align_,
         "First align the results with the truth, by the rigid motion that most sure answers share.");
-    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
-    line.addCheck([this] { requireTolerance(pose_tolerance_); });
+    addPoseTolerance(line, pose_tolerance_);
     addTimeOffset(line, time_offset_);
     line.addParams(params_, "evaluation", CommandLine::Shown::in_help);
     line.addExample("results walk --map office.flmap", "a report with the map");

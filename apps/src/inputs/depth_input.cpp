@@ -123,8 +123,19 @@ std::string adviceOnPoses(const PoseCheck& check) {
   return "; --poses-are " + check.convention + " reads them so";
 }
 
-void requireTolerance(double seconds) {
-  if (!(seconds >= 0)) throw UsageError("pose-tolerance must not be negative");
+void addPoseTolerance(CommandLine& line, double& seconds) {
+  line.addOption("pose-tolerance", seconds, "S", "Maximum time between an image and its pose [s].");
+  line.addCheck([&seconds] {
+    if (!(seconds >= 0)) throw UsageError("pose-tolerance must not be negative");
+  });
+}
+
+Trajectory givenPoses(const DepthSequence& sequence, const std::string& file, const Console& console) {
+  if (file.empty()) return sequence.groundTruth();
+  std::string remark;
+  Trajectory poses = sequence.readPoses(file, &remark);
+  if (!remark.empty()) console.note(remark);
+  return poses;
 }
 
 std::string toIni(const DepthInput& input, const Camera& camera) {

@@ -54,8 +54,11 @@ void noteNoise(std::vector<double> found, const SensorNoise& specified, const Co
 /** \brief "; --poses-are wxyz reads them so" if the poses are written in that order, else empty. */
 std::string adviceOnPoses(const PoseCheck& check);
 
-/** \brief Throws UsageError unless images and poses can be matched within this time [s]. */
-void requireTolerance(double seconds);
+/** \brief The option of tools that match images with poses. */
+void addPoseTolerance(CommandLine& line, double& seconds);
+/** \brief The poses of a file, or those of the recording without one, with a remark on how they were read.
+ * Throws IoError. */
+Trajectory givenPoses(const DepthSequence& sequence, const std::string& file, const Console& console);
 
 /** \brief The options as they are recorded beside maps and results; plain ones first. */
 std::string toIni(const DepthInput& input, const Camera& camera);

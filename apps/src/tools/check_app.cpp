@@ -120,8 +120,7 @@ private:
   void addOptions(CommandLine& line) override {
     line.addArgument("RECORDING", input_);
     line.addOption("poses", poses_, "FILE", "Check these poses instead of those of the RECORDING.");
-    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
-    line.addCheck([this] { requireTolerance(pose_tolerance_); });
+    addPoseTolerance(line, pose_tolerance_);
     addRecordingOptions(line, depth_.recording);
     depth_.addOptions(line);
     line.addExample("walk", "the content of walk, and faults");

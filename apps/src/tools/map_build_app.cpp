@@ -62,8 +62,7 @@ private:
                    "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
     line.addOption("trajectory", trajectory_, "OUT.txt",
                    "Write the pose of each image used, in the TUM format.");
-    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
-    line.addCheck([this] { requireTolerance(pose_tolerance_); });
+    addPoseTolerance(line, pose_tolerance_);
     gravity_.addOptions(line);
     line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
     line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
@@ -80,12 +79,7 @@ private:
   }
 
   MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console) {
-    std::string remark;
-    if (!poses_.empty())
-      given_ = sequence.readPoses(poses_, &remark);
-    else if (!without_poses_)
-      given_ = sequence.groundTruth();
-    if (!remark.empty()) console.note(remark);
+    if (!poses_.empty() || !without_poses_) given_ = givenPoses(sequence, poses_, console);
     MapMakingParams params;
     params.places = builder_;
     params.trajectory = by_images_.params();

@@ -71,9 +71,8 @@ private:
                    "Maximum orientation error of a right pose [deg].");
     line.addOption("poses", poses_, "FILE",
                    "Camera poses in the coordinates of the map; those of the RECORDING unless given.");
-    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
+    addPoseTolerance(line, pose_tolerance_);
     line.addCheck([this] {
-      requireTolerance(pose_tolerance_);
       requireShare("alpha", alpha_);
       requireShare("confidence", confidence_);
       if (!(is_right_.max_translation > 0)) throw UsageError("max-translation must be positive");
@@ -88,9 +87,7 @@ private:
 
   /** Images of known poses, each of another view, none of them a local model. Throws IoError. */
   std::vector<Asked> askedOf(const DepthSequence& sequence, const Map& map, const Console& console) const {
-    std::string remark;
-    const Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
-    if (!remark.empty()) console.note(remark);
+    const Trajectory poses = givenPoses(sequence, poses_, console);
     if (poses.empty())
       throw IoError(inputs_[1], "has no poses to distinguish right answers from wrong ones; give --poses");
     if (!sequence.stamped())

@@ -68,8 +68,7 @@ private:
     line.addOption("output,o", output_, "NEW.flmap", "The map to write; MAP.flmap itself unless given.");
     line.addOption("poses", poses_, "FILE",
                    "Camera poses: stamp tx ty tz qx qy qz qw, or another format of RECORDINGS.md.");
-    line.addOption("pose-tolerance", pose_tolerance_, "S", "Maximum time between an image and its pose [s].");
-    line.addCheck([this] { requireTolerance(pose_tolerance_); });
+    addPoseTolerance(line, pose_tolerance_);
     line.addSwitch("without-poses", without_poses_,
                    "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
     line.addOption("trajectory", trajectory_, "OUT.txt",
@@ -88,13 +87,7 @@ private:
   /** Throws IoError for poses that cannot be matched with the images. */
   MapSession sessionIn(const std::shared_ptr<const Map>& map, const DepthSequence& sequence,
                        const Camera& camera, const Console& console) const {
-    Trajectory given;
-    std::string remark;
-    if (!poses_.empty())
-      given = sequence.readPoses(poses_, &remark);
-    else if (!without_poses_)
-      given = sequence.groundTruth();
-    if (!remark.empty()) console.note(remark);
+    const Trajectory given = without_poses_ ? Trajectory() : givenPoses(sequence, poses_, console);
     const bool by_poses = !poses_.empty() || !given.empty();
     if (by_poses && !sequence.stamped())
       throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
