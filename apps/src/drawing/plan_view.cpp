@@ -42,6 +42,12 @@ Eigen::Vector3d guessInView(const std::optional<CameraMounting>& mounting) {
 
 }  // namespace
 
+std::vector<Eigen::Isometry3d> posesOf(const Trajectory& trajectory) {
+  std::vector<Eigen::Isometry3d> poses;
+  for (const StampedPose& pose : trajectory.poses()) poses.push_back(pose.T_w_c);
+  return poses;
+}
+
 std::vector<Eigen::Vector3d> cornersOf(const Segment& segment, const Eigen::Isometry3d& T) {
   std::vector<Eigen::Vector3d> corners;
   for (const Eigen::Vector2f& v : segment.hull)

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
+#include <facetloc/io/trajectory.h>
 
 #include <optional>
 #include <vector>
 
 namespace facetloc {
+
+/** \brief The poses of a trajectory, to be drawn. */
+std::vector<Eigen::Isometry3d> posesOf(const Trajectory& trajectory);
 
 /** \brief The corners of a segment's hull in another frame. */
 std::vector<Eigen::Vector3d> cornersOf(const Segment& segment, const Eigen::Isometry3d& T);

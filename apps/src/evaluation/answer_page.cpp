@@ -6,7 +6,6 @@
 #include <facetloc/features/map_parts.h>
 
 #include <map>
-#include <stdexcept>
 #include <utility>
 
 namespace facetloc {
@@ -17,10 +16,10 @@ using RunAndFrame = std::pair<std::string, std::string>;
 /** Turns rows of results into answers of a page. */
 class AnswerList {
 public:
-  AnswerList(const Map& map, const Evaluation* evaluation, bool relative) : relative_(relative) {
+  AnswerList(const Map& map, const Evaluation* evaluation, bool relative)
+      : relative_(relative), indices_(map) {
     const int part = mainPart(map);
     part_ = static_cast<std::size_t>(part) < map.parts.size() ? map.parts[part] : "";
-    for (std::size_t i = 0; i < map.models.size(); ++i) indices_[map.models[i].name] = static_cast<int>(i);
     if (evaluation)
       for (const FrameEvaluation& frame : evaluation->frames) frames_[{frame.run, frame.name}] = &frame;
   }
@@ -36,7 +35,7 @@ public:
         if (covariance != run.covariances.end()) answer.P_w_c = covariance->second;
       }
       answer.places.push_back(
-          {indexOf(row.model), row.T_m_c, *row.T_w_c, row.probability, row.sd_trans_m, row.sd_rot_deg});
+          {indices_.of(row.model), row.T_m_c, *row.T_w_c, row.probability, row.sd_trans_m, row.sd_rot_deg});
     }
   }
 
@@ -64,15 +63,9 @@ private:
     if (!relative_) answer.truth = frame.T_w_c;
   }
 
-  int indexOf(const std::string& model) const {
-    const auto found = indices_.find(model);
-    if (found == indices_.end()) throw std::runtime_error("the map has no local model " + model);
-    return found->second;
-  }
-
   const bool relative_;
+  const ModelIndices indices_;
   std::string part_;  // that is drawn
-  std::map<std::string, int> indices_;
   std::map<RunAndFrame, const FrameEvaluation*> frames_;
   RunAndFrame last_;
   std::vector<PageAnswer> answers_;

@@ -26,12 +26,6 @@ const Colour& colourOf(MissKind kind) {
   return kind == MissKind::not_found ? kMissing : kRed;
 }
 
-std::vector<Eigen::Isometry3d> posesOf(const Trajectory& trajectory) {
-  std::vector<Eigen::Isometry3d> poses;
-  for (const StampedPose& pose : trajectory.poses()) poses.push_back(pose.T_w_c);
-  return poses;
-}
-
 std::vector<DrawnRun> drawnRuns(const PlaceTruth& truth) {
   std::vector<DrawnRun> runs;
   for (const PlaceTruth::Sequence& s : truth.sequences())

@@ -29,24 +29,11 @@ std::string whatFailed(const FrameEvaluation& frame) {
                      frame.first_correct > 0 ? fmt::format(", correct at rank {}", frame.first_correct) : "");
 }
 
-/** Indices of local models by name. */
-std::map<std::string, int> indicesOf(const Map& map) {
-  std::map<std::string, int> indices;
-  for (std::size_t i = 0; i < map.models.size(); ++i) indices[map.models[i].name] = static_cast<int>(i);
-  return indices;
-}
-
-int indexIn(const std::map<std::string, int>& indices, const std::string& name) {
-  const auto found = indices.find(name);
-  if (found == indices.end()) throw std::runtime_error("the map has no local model " + name);
-  return found->second;
-}
-
 }  // namespace
 
 std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
                                   const Map& map) {
-  const std::map<std::string, int> indices = indicesOf(map);
+  const ModelIndices indices(map);
   std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // keyed by run and frame
   for (const RunResults& run : runs)
     for (const ResultRow& row : run.rows)
@@ -59,12 +46,12 @@ std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vecto
     const auto best = first.find({frame.run, frame.name});
     if (best != first.end()) {
       const ResultRow& row = *best->second;
-      failure.answers.push_back({indexIn(indices, row.model), row.T_m_c, "rank 1: " + failure.what});
+      failure.answers.push_back({indices.of(row.model), row.T_m_c, "rank 1: " + failure.what});
     } else {
       failure.answers.push_back({-1, Eigen::Isometry3d::Identity(), failure.what});
     }
     if (frame.nearest) {
-      const int nearest = indexIn(indices, frame.nearest->name);
+      const int nearest = indices.of(frame.nearest->name);
       failure.answers.push_back(
           {nearest, map.models[nearest].T_w_m->inverse() * frame.T_w_c,
            fmt::format("true pose in the nearest local model, {} away{}",

@@ -2,6 +2,7 @@
 #include "batch/map_watch.h"
 #include "cli/text.h"
 #include "cli/tools.h"
+#include "drawing/plan_view.h"
 #include "outputs/map_completion.h"
 #include "tools/drawn_map.h"
 #include "tools/model_axes.h"
@@ -31,9 +32,7 @@ namespace fs = std::filesystem;
 
 std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& console) {
   std::string remark;
-  std::vector<Eigen::Isometry3d> poses;
-  const Trajectory trajectory = readTrajectory(path, &remark);
-  for (const StampedPose& pose : trajectory.poses()) poses.push_back(pose.T_w_c);
+  std::vector<Eigen::Isometry3d> poses = posesOf(readTrajectory(path, &remark));
   if (!remark.empty()) console.note(remark);
   if (poses.empty()) throw IoError(path, "has no poses");
   return poses;

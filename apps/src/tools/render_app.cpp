@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/render_app.h"
-
 #include "base/text.h"
 #include "batch/batch.h"
 #include "cli/text.h"
 #include "cli/tools.h"
+#include "drawing/map_page.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/outputs.h"
 #include "drawing/pictures.h"
+#include "evaluation/answer_page.h"
+#include "evaluation/evaluation_report.h"
 #include "evaluation/failures.h"
+#include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 
 #include <facetloc/features/map_parts.h>
@@ -19,7 +21,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <memory>
 #include <optional>
 
@@ -141,13 +143,6 @@ void requirePng(const fs::path& output) {
     throw UsageError("pictures are PNG files, and pages HTML: -o " + output.string());
 }
 
-std::vector<Eigen::Isometry3d> posesIn(const fs::path& path) {
-  std::vector<Eigen::Isometry3d> T_w_c;
-  const Trajectory trajectory = DepthSequence::readTruth(path);
-  for (const StampedPose& pose : trajectory.poses()) T_w_c.push_back(pose.T_w_c);
-  return T_w_c;
-}
-
 /** Marks of files between commas, each named as its file and in a colour of its own; an empty name
  * leaves its colour out. */
 std::vector<DrawnMarks> marksIn(const std::string& files) {
@@ -157,178 +152,236 @@ std::vector<DrawnMarks> marksIn(const std::string& files) {
   for (const std::string_view file : text::split(files, ',')) {
     const Colour& colour = kColours[kind++ % std::size(kColours)];
     if (const fs::path path(file); !path.empty())
-      marks.push_back({path.stem().string(), posesIn(path), colour});
+      marks.push_back({path.stem().string(), posesOf(DepthSequence::readTruth(path)), colour});
   }
   return marks;
 }
 
-}  // namespace
+/** facetloc_render: pictures of images, maps, answers and failures. */
+class RenderApp : public App {
+public:
+  RenderApp()
+      : App("facetloc_render", "INPUT -o OUT [--map MAP.flmap] [options]",
+            "Draws pictures, and 3D pages for a browser. INPUT is one of: (1) A map *.flmap: OUT is an HTML "
+            "page to turn, zoom and click, or a PNG file, the map from above. (2) A results folder of "
+            "facetloc_localize with --map: OUT is an HTML page, the answers in their map over time, or a PNG "
+            "file, the possible places of each image. With --sequence, OUT may be a folder: the failures "
+            "beside the true poses. (3) A depth image (OUT is a PNG file) or a recording (OUT is a folder, "
+            "or, with --frame, a file): its segments outlined and in 3D; with --map, beside the matched "
+            "local models. PNG files need an X display; without one, Xvfb is started if installed.") {}
 
-RenderApp::RenderApp()
-    : App("facetloc_render", "INPUT -o OUT [--map MAP.flmap] [options]",
-          "Draws pictures, and 3D pages for a browser. INPUT is one of: (1) A map *.flmap: OUT is an HTML "
-          "page to turn, zoom and click, or a PNG file, the map from above. (2) A results folder of "
-          "facetloc_localize with --map: OUT is an HTML page, the answers in their map over time, or a PNG "
-          "file, the possible places of each image. With --sequence, OUT may be a folder: the failures "
-          "beside the true poses. (3) A depth image (OUT is a PNG file) or a recording (OUT is a folder, or, "
-          "with --frame, a file): its segments outlined and in 3D; with --map, beside the matched local "
-          "models. PNG files need an X display; without one, Xvfb is started if installed.") {}
-
-void RenderApp::addOptions(CommandLine& line) {
-  line.addArgument("INPUT", input_);
-  line.addOption("output,o", output_, "OUT", "An HTML page, a PNG file, or a folder of PNG files.");
-  line.addOption("map", map_, "MAP.flmap", "The map to localize the images in, or the map of the results.");
-  line.addOption("frame", frame_, "NAME", "Draw only this image of a sequence.");
-  line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of answers drawn per image.");
-  line.addOption("trajectory", trajectory_, "FILE",
-                 "Draw this trajectory into a map: a TUM file, or a recording with poses.");
-  line.addOption("marks", marks_, "FILE,...",
-                 "Mark the poses of these files in a map, green, purple and red.");
-  line.addOption("sequence", sequence_, "DIR",
-                 "The recording of the results: its images, and its true poses.");
-  line.addOption("most", most_, "N", "Maximum number of failures drawn, the most confident first.");
-  addRecordingOptions(line, depth_.recording);
-  depth_.addOptions(line);
-  line.addParams(evaluation_, "evaluation");
-  addLocalizationOptions(line, localization_);
-  line.addExample("office.flmap -o map.html", "a map, to turn in a browser");
-  line.addExample("results --map office.flmap --sequence walk -o answers.html",
-                  "answers, each with its match at a click");
-}
-
-int RenderApp::renderMap(const Console& console) const {
-  if (!map_.empty())
-    throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
-  requirePng(output_);
-  requireNoneButPicture(output_);
-  const Map map = readMap(input_);
-  std::vector<DrawnRun> runs;
-  if (!trajectory_.empty()) runs.push_back({"trajectory", posesIn(trajectory_)});
-  drawFloorMap(output_, map, runs, marksIn(marks_));
-  console.out << counted(map.models.size(), "local model") << "; picture in " << output_ << "\n";
-  return kOk;
-}
-
-int RenderApp::renderImages(const CommandLine& line, const Console& console) const {
-  RecordingHints recording = depth_.recording;
-  recording.segments = true;
-  const DepthSequence sequence = openSequence(input_, recording, console);
-  std::vector<std::size_t> chosen;
-  if (!frame_.empty())
-    chosen = {indexOf(sequence, frame_)};
-  else
-    for (std::size_t i = 0; i < sequence.frames().size(); ++i) chosen.push_back(i);
-
-  const bool to_folder = chosen.size() > 1 || fs::is_directory(output_) || !fs::path(output_).has_extension();
-  if (to_folder && fs::path(output_).extension() == ".png")
-    throw UsageError(fmt::format("{} has several images: -o names a folder, or use --frame", input_));
-  if (!to_folder) requirePng(output_);
-  if (to_folder) createFolders(output_);
-  const auto pathOf = [&](std::size_t i) {
-    return to_folder ? fs::path(output_) / (sequence.frames()[i].name + ".png") : fs::path(output_);
-  };
-  for (const std::size_t i : chosen) {
-    if (to_folder) requireOtherFolder(output_, sequence.frames()[i].path.parent_path());
-    requireNoneButPicture(pathOf(i));
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArgument("INPUT", input_);
+    line.addOption("output,o", output_, "OUT", "An HTML page, a PNG file, or a folder of PNG files.");
+    line.addOption("map", map_, "MAP.flmap", "The map to localize the images in, or the map of the results.");
+    line.addOption("frame", frame_, "NAME", "Draw only this image of a sequence.");
+    line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of answers drawn per image.");
+    line.addOption("trajectory", trajectory_, "FILE",
+                   "Draw this trajectory into a map: a TUM file, or a recording with poses.");
+    line.addOption("marks", marks_, "FILE,...",
+                   "Mark the poses of these files in a map, green, purple and red.");
+    line.addOption("sequence", sequence_, "DIR",
+                   "The recording of the results: its images, and its true poses.");
+    line.addOption("most", most_, "N", "Maximum number of failures drawn, the most confident first.");
+    addRecordingOptions(line, depth_.recording);
+    depth_.addOptions(line);
+    line.addParams(evaluation_, "evaluation");
+    addLocalizationOptions(line, localization_);
+    line.addExample("office.flmap -o map.html", "a map, to turn in a browser");
+    line.addExample("results --map office.flmap --sequence walk -o answers.html",
+                    "answers, each with its match at a click");
   }
 
-  const Camera camera = depth_.camera(sequence.camera(), line);
-  ImageRenderer renderer(sequence, depth_.width, camera, depth_.view);
-  if (!map_.empty()) {
-    const auto map = std::make_shared<const Map>(openMap(map_));
-    noteUnfinished(*map, map_, console);
-    noteDifference(map->calibrated(camera), *map, console);
-    renderer.localizeIn(map, localization_, threads(), max_hypotheses_);
+  std::vector<DrawnRun> runs() const {
+    if (trajectory_.empty()) return {};
+    return {{"trajectory", posesOf(DepthSequence::readTruth(trajectory_))}};
   }
-  Batch batch(1, chosen.size(), console);  // OpenGL is used by one thread
-  batch.run([&](std::size_t k) { return sequence.frames()[chosen[k]].path.string(); },
-            [&](std::size_t k, int) { renderer.render(chosen[k], pathOf(chosen[k])); });
-  const int code = batch.report();
-  console.out << counted(chosen.size() - batch.failures().size(), "picture") << " in " << output_ << "\n";
-  return code;
-}
 
-int RenderApp::renderBeliefs(const Console& console) const {
-  constexpr std::size_t kMostImages = 12;
-  if (map_.empty()) throw UsageError("the picture of results needs --map");
-  requirePng(output_);
-  requireNoneButPicture(output_);
-  const std::vector<DrawnBelief> beliefs = beliefsOf(input_);
-  if (beliefs.empty()) throw IoError(input_, "has no results");
-  std::vector<DrawnBelief> drawn;
-  for (const std::size_t i : imagesOfStrip(beliefs, kMostImages)) drawn.push_back(beliefs[i]);
-  if (!sequence_.empty()) {
+  int renderMap(const Console& console) const {
+    if (!map_.empty())
+      throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
+    requirePng(output_);
+    requireNoneButPicture(output_);
+    const Map map = readMap(input_);
+    drawFloorMap(output_, map, runs(), marksIn(marks_));
+    console.out << counted(map.models.size(), "local model") << "; picture in " << output_ << "\n";
+    return kOk;
+  }
+
+  int renderImages(const CommandLine& line, const Console& console) const {
+    RecordingHints recording = depth_.recording;
+    recording.segments = true;
+    const DepthSequence sequence = openSequence(input_, recording, console);
+    std::vector<std::size_t> chosen;
+    if (!frame_.empty())
+      chosen = {indexOf(sequence, frame_)};
+    else
+      for (std::size_t i = 0; i < sequence.frames().size(); ++i) chosen.push_back(i);
+
+    const bool to_folder =
+        chosen.size() > 1 || fs::is_directory(output_) || !fs::path(output_).has_extension();
+    if (to_folder && fs::path(output_).extension() == ".png")
+      throw UsageError(fmt::format("{} has several images: -o names a folder, or use --frame", input_));
+    if (!to_folder) requirePng(output_);
+    if (to_folder) createFolders(output_);
+    const auto pathOf = [&](std::size_t i) {
+      return to_folder ? fs::path(output_) / (sequence.frames()[i].name + ".png") : fs::path(output_);
+    };
+    for (const std::size_t i : chosen) {
+      if (to_folder) requireOtherFolder(output_, sequence.frames()[i].path.parent_path());
+      requireNoneButPicture(pathOf(i));
+    }
+
+    const Camera camera = depth_.camera(sequence.camera(), line);
+    ImageRenderer renderer(sequence, depth_.width, camera, depth_.view);
+    if (!map_.empty()) {
+      const auto map = std::make_shared<const Map>(openMap(map_));
+      noteUnfinished(*map, map_, console);
+      noteDifference(map->calibrated(camera), *map, console);
+      renderer.localizeIn(map, localization_, threads(), max_hypotheses_);
+    }
+    Batch batch(1, chosen.size(), console);  // OpenGL is used by one thread
+    batch.run([&](std::size_t k) { return sequence.frames()[chosen[k]].path.string(); },
+              [&](std::size_t k, int) { renderer.render(chosen[k], pathOf(chosen[k])); });
+    const int code = batch.report();
+    console.out << counted(chosen.size() - batch.failures().size(), "picture") << " in " << output_ << "\n";
+    return code;
+  }
+
+  int renderBeliefs(const Console& console) const {
+    constexpr std::size_t kMostImages = 12;
+    if (map_.empty()) throw UsageError("the picture of results needs --map");
+    requirePng(output_);
+    requireNoneButPicture(output_);
+    const std::vector<DrawnBelief> beliefs = beliefsOf(input_);
+    if (beliefs.empty()) throw IoError(input_, "has no results");
+    std::vector<DrawnBelief> drawn;
+    for (const std::size_t i : imagesOfStrip(beliefs, kMostImages)) drawn.push_back(beliefs[i]);
+    if (!sequence_.empty()) {
+      const DepthSequence sequence = openSequence(sequence_, depth_.recording, console);
+      for (DrawnBelief& belief : drawn)
+        if (const auto index = find(sequence, belief.frame))
+          belief.truth = sequence.groundTruth().at(sequence.frames()[*index].stamp);
+    }
+    drawBeliefs(output_, readMap(map_), drawn);
+    console.out << drawn.size() << " of " << counted(beliefs.size(), "image") << "; picture in " << output_
+                << "\n";
+    return kOk;
+  }
+
+  int renderFailures(const CommandLine& line, const Console& console) const {
+    constexpr std::size_t kOnSheet = 6;
+    if (map_.empty() || sequence_.empty())
+      throw UsageError("the pictures of results need --map and --sequence");
     const DepthSequence sequence = openSequence(sequence_, depth_.recording, console);
-    for (DrawnBelief& belief : drawn)
-      if (const auto index = find(sequence, belief.frame))
-        belief.truth = sequence.groundTruth().at(sequence.frames()[*index].stamp);
+    const Map map = readMap(map_);
+    const std::vector<ModelPose> models = modelPosesOf(map);
+    if (models.empty()) throw IoError(map_, "has no poses of local models: the truth cannot be drawn");
+    const std::vector<RunResults> runs = readRuns(input_);
+    const Evaluation evaluation = evaluate(runs, PlaceTruth::open(sequence_), models, evaluation_);
+    if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
+    const std::vector<Failure> failures = findFailures(evaluation, runs, map);
+    const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
+    createFolders(output_);
+    for (const FrameFile& frame : sequence.frames()) requireOtherFolder(output_, frame.path.parent_path());
+    const auto pathOf = [&](const std::string& name) { return fs::path(output_) / (name + ".png"); };
+    const fs::path sheet_path = pathOf("failures");
+    requireNoneButPicture(sheet_path);
+    for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
+    fs::remove(sheet_path);  // left by an earlier run; there may be no failure now
+
+    ViewBuilder builder(map.calibrated(depth_.camera(sequence.camera(), line)), depth_.view);
+    std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));
+    std::vector<std::string> titles;
+    for (std::size_t i = 0; i < sheet.size(); ++i)
+      titles.push_back(fmt::format("{}: {}", failures[i].frame, failures[i].what));
+    Batch batch(1, drawn, console);  // OpenGL is used by one thread
+    batch.run([&](std::size_t i) { return failures[i].frame; },
+              [&](std::size_t i, int) {
+                const Failure& failure = failures[i];
+                const std::size_t index = indexOf(sequence, failure.frame);
+                const SeenImage image = see(failure.frame, sequence.load(index, depth_.width), builder);
+                Raster<std::uint8_t> picture = matchesPicture(image, map, failure.answers);
+                writePng(pathOf(failure.frame), picture);
+                if (i < sheet.size()) sheet[i] = std::move(picture);
+              });
+    const int code = batch.report();
+    if (code == kOk && drawn > 0) writePng(sheet_path, contactSheet(sheet, titles));
+    console.out << fmt::format("{} of {} failed, {} drawn; pictures in {}\n", failures.size(),
+                               counted(evaluation.frames.size(), "image"), drawn, output_);
+    return code;
   }
-  drawBeliefs(output_, readMap(map_), drawn);
-  console.out << drawn.size() << " of " << counted(beliefs.size(), "image") << "; picture in " << output_
-              << "\n";
-  return kOk;
-}
 
-int RenderApp::renderFailures(const CommandLine& line, const Console& console) const {
-  constexpr std::size_t kOnSheet = 6;
-  if (map_.empty() || sequence_.empty())
-    throw UsageError("the pictures of results need --map and --sequence");
-  const DepthSequence sequence = openSequence(sequence_, depth_.recording, console);
-  const Map map = readMap(map_);
-  const std::vector<ModelPose> models = modelPosesOf(map);
-  if (models.empty()) throw IoError(map_, "has no poses of local models: the truth cannot be drawn");
-  const std::vector<RunResults> runs = readRuns(input_);
-  const Evaluation evaluation = evaluate(runs, PlaceTruth::open(sequence_), models, evaluation_);
-  if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
-  const std::vector<Failure> failures = findFailures(evaluation, runs, map);
-  const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
-  createFolders(output_);
-  for (const FrameFile& frame : sequence.frames()) requireOtherFolder(output_, frame.path.parent_path());
-  const auto pathOf = [&](const std::string& name) { return fs::path(output_) / (name + ".png"); };
-  const fs::path sheet_path = pathOf("failures");
-  requireNoneButPicture(sheet_path);
-  for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
-  fs::remove(sheet_path);  // left by an earlier run; there may be no failure now
-
-  ViewBuilder builder(map.calibrated(depth_.camera(sequence.camera(), line)), depth_.view);
-  std::vector<Raster<std::uint8_t>> sheet(std::min(drawn, kOnSheet));
-  std::vector<std::string> titles;
-  for (std::size_t i = 0; i < sheet.size(); ++i)
-    titles.push_back(fmt::format("{}: {}", failures[i].frame, failures[i].what));
-  Batch batch(1, drawn, console);  // OpenGL is used by one thread
-  batch.run([&](std::size_t i) { return failures[i].frame; },
-            [&](std::size_t i, int) {
-              const Failure& failure = failures[i];
-              const std::size_t index = indexOf(sequence, failure.frame);
-              const SeenImage image = see(failure.frame, sequence.load(index, depth_.width), builder);
-              Raster<std::uint8_t> picture = matchesPicture(image, map, failure.answers);
-              writePng(pathOf(failure.frame), picture);
-              if (i < sheet.size()) sheet[i] = std::move(picture);
-            });
-  const int code = batch.report();
-  if (code == kOk && drawn > 0) writePng(sheet_path, contactSheet(sheet, titles));
-  console.out << fmt::format("{} of {} failed, {} drawn; pictures in {}\n", failures.size(),
-                             counted(evaluation.frames.size(), "image"), drawn, output_);
-  return code;
-}
-
-int RenderApp::execute(const CommandLine& line, const Console& console) {
-  if (output_.empty()) throw UsageError("the picture to write is missing: -o OUT");
-  if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
-  if (most_ < 1) throw UsageError("most must be positive");
-  if (!fs::exists(input_)) throw IoError(input_, "does not exist");
-  if (fs::path(output_).extension() == ".html") {
-    if (isMap(input_)) return renderMapPage(console);
-    if (!isResultsFolder(input_))
-      throw UsageError("pages are of maps and of results: " + input_ + " is neither");
-    return renderAnswerPage(line, console);
+  int renderMapPage(const Console& console) const {
+    if (!map_.empty())
+      throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
+    const Map map = readMap(input_);
+    MapPage page;
+    page.title = "Map " + fs::path(input_).stem().string();
+    page.runs = runs();
+    writeMapPage(output_, map, page);
+    console.out << counted(map.models.size(), "local model") << "; page in " << output_ << "\n";
+    return kOk;
   }
-  const OffscreenDisplay display;
-  if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
-  if (isMap(input_)) return renderMap(console);
-  if (!isResultsFolder(input_)) return renderImages(line, console);
-  return fs::path(output_).extension() == ".png" ? renderBeliefs(console) : renderFailures(line, console);
-}
+
+  int renderAnswerPage(const CommandLine& line, const Console& console) const {
+    if (map_.empty()) throw UsageError("the page of results needs --map");
+    const Map map = openMap(map_);
+    const std::vector<RunResults> runs =
+        readRuns(input_, [&](const std::string& text) { console.note(text); });
+    if (runs.empty() || runs.front().rows.empty()) throw IoError(input_, "has no results");
+    std::optional<DepthSequence> sequence;
+    std::optional<Evaluation> evaluation;
+    if (!sequence_.empty()) {
+      sequence = openSequence(sequence_, depth_.recording, console);
+      if (hasGivenPose(map) && !sequence->groundTruth().empty())
+        evaluation = evaluate(runs, PlaceTruth(sequence->groundTruth()), modelPosesOf(map), evaluation_);
+    }
+    MapPage page = answerPage(map, runs, evaluation ? &*evaluation : nullptr);
+    page.title = fmt::format("{} in {}", titleOf(input_), fs::path(map_).stem().string());
+    page.runs = runs();
+    if (evaluation) page.runs.push_back({"true poses", posesOf(sequence->groundTruth())});
+    std::optional<ViewBuilder> builder;
+    if (sequence) {
+      builder.emplace(map.calibrated(depth_.camera(sequence->camera(), line)), depth_.view);
+      page.view = [&](std::size_t answer) -> std::optional<View> {
+        const auto found = find(*sequence, page.answers[answer].frame);
+        if (!found) return {};
+        return viewOf(*sequence, *found, depth_.width, *builder);
+      };
+    }
+    writeMapPage(output_, map, page);
+    console.out << counted(page.answers.size(), "image") << "; page in " << output_ << "\n";
+    return kOk;
+  }
+
+  int execute(const CommandLine& line, const Console& console) override {
+    if (output_.empty()) throw UsageError("the picture to write is missing: -o OUT");
+    if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
+    if (most_ < 1) throw UsageError("most must be positive");
+    if (!fs::exists(input_)) throw IoError(input_, "does not exist");
+    if (fs::path(output_).extension() == ".html") {
+      if (isMap(input_)) return renderMapPage(console);
+      if (!isResultsFolder(input_))
+        throw UsageError("pages are of maps and of results: " + input_ + " is neither");
+      return renderAnswerPage(line, console);
+    }
+    const OffscreenDisplay display;
+    if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
+    if (isMap(input_)) return renderMap(console);
+    if (!isResultsFolder(input_)) return renderImages(line, console);
+    return fs::path(output_).extension() == ".png" ? renderBeliefs(console) : renderFailures(line, console);
+  }
+
+  std::string input_, output_, map_, frame_, trajectory_, marks_, sequence_;
+  int max_hypotheses_ = 1, most_ = 20;
+  DepthInput depth_;
+  EvaluationParams evaluation_;
+  GlobalLocalizationParams localization_;
+};
+
+}  // namespace
 
 std::unique_ptr<App> renderApp() { return std::make_unique<RenderApp>(); }
 
