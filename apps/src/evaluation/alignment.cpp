@@ -68,21 +68,16 @@ Eigen::Isometry3d fitted(const std::vector<PosePair>& pairs, double lever) {
   return T;
 }
 
-Alignment alignment(const std::vector<PosePair>& pairs, double lever) {
-  Alignment out;
-  out.T_true_estimated = fitted(pairs, lever);
-  out.used = pairs.size();
+}  // namespace
+
+Alignment withResiduals(const Eigen::Isometry3d& T_true_estimated, const std::vector<PosePair>& pairs) {
   const auto rms = [&](double (*error)(const Eigen::Isometry3d&, const PosePair&)) {
     double sum = 0;
-    for (const PosePair& pair : pairs) sum += std::pow(error(out.T_true_estimated, pair), 2);
+    for (const PosePair& pair : pairs) sum += std::pow(error(T_true_estimated, pair), 2);
     return std::sqrt(sum / static_cast<double>(pairs.size()));
   };
-  out.residual = rms(distanceAfter);
-  out.rotation_residual_deg = rms(angleAfter) / kDegree;
-  return out;
+  return {T_true_estimated, pairs.size(), rms(distanceAfter), rms(angleAfter) / kDegree};
 }
-
-}  // namespace
 
 double distanceAfter(const Eigen::Isometry3d& T_true_estimated, const PosePair& pair) {
   return (T_true_estimated * pair.estimated.translation() - pair.truth.translation()).norm();
@@ -94,7 +89,7 @@ double angleAfter(const Eigen::Isometry3d& T_true_estimated, const PosePair& pai
 
 Alignment aligned(const std::vector<PosePair>& pairs) {
   require(pairs);
-  return alignment(pairs, areOnALine(pairs) ? kLever : 0);
+  return withResiduals(fitted(pairs, areOnALine(pairs) ? kLever : 0), pairs);
 }
 
 Alignment robustlyAligned(const std::vector<PosePair>& pairs, double lever) {
@@ -102,7 +97,7 @@ Alignment robustlyAligned(const std::vector<PosePair>& pairs, double lever) {
   std::vector<PosePair> kept = pairs;
   std::vector<char> is_kept(pairs.size(), 1);
   for (int round = 0;; ++round) {
-    const Alignment found = alignment(kept, lever);
+    const Alignment found = withResiduals(fitted(kept, lever), kept);
     std::vector<double> distances;
     for (const PosePair& pair : pairs)
       distances.push_back(std::hypot(distanceAfter(found.T_true_estimated, pair),

@@ -44,6 +44,9 @@ Alignment aligned(const std::vector<PosePair>& pairs);
  * Throws std::invalid_argument for less than three pairs. */
 Alignment robustlyAligned(const std::vector<PosePair>& pairs, double lever = kPoseLever);
 
+/** \brief A motion, and how far it leaves all of these pairs apart. */
+Alignment withResiduals(const Eigen::Isometry3d& T_true_estimated, const std::vector<PosePair>& pairs);
+
 /** \brief How far apart the positions of a pair are after the motion [m]. */
 double distanceAfter(const Eigen::Isometry3d& T_true_estimated, const PosePair& pair);
 

@@ -17,7 +17,6 @@
 #include <facetloc/io/map_database.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <set>
@@ -61,16 +60,7 @@ std::optional<Alignment> alignmentOf(const Map& map, const TrueModelPoses& true_
         truth != true_poses.end() && model.T_w_m && model.part == mainPart(map))
       pairs.push_back({model.stamp, *model.T_w_m, truth->second});
   if (pairs.size() < kLeastPairs) return {};
-  Alignment alignment = robustlyAligned(pairs);
-  double squares = 0, squared_angles = 0;
-  for (const PosePair& pair : pairs) {
-    squares += std::pow(distanceAfter(alignment.T_true_estimated, pair), 2);
-    squared_angles += std::pow(angleAfter(alignment.T_true_estimated, pair) / kDegree, 2);
-  }
-  alignment.used = pairs.size();
-  alignment.residual = std::sqrt(squares / static_cast<double>(pairs.size()));
-  alignment.rotation_residual_deg = std::sqrt(squared_angles / static_cast<double>(pairs.size()));
-  return alignment;
+  return withResiduals(robustlyAligned(pairs).T_true_estimated, pairs);
 }
 
 /** facetloc_evaluate: results against the truth, as the paper does it and beyond. */

@@ -193,7 +193,7 @@ private:
                     "answers, each with its match at a click");
   }
 
-  std::vector<DrawnRun> runs() const {
+  std::vector<DrawnRun> drawnRuns() const {
     if (trajectory_.empty()) return {};
     return {{"trajectory", posesOf(DepthSequence::readTruth(trajectory_))}};
   }
@@ -204,7 +204,7 @@ private:
     requirePng(output_);
     requireNoneButPicture(output_);
     const Map map = readMap(input_);
-    drawFloorMap(output_, map, runs(), marksIn(marks_));
+    drawFloorMap(output_, map, drawnRuns(), marksIn(marks_));
     console.out << counted(map.models.size(), "local model") << "; picture in " << output_ << "\n";
     return kOk;
   }
@@ -319,7 +319,7 @@ private:
     const Map map = readMap(input_);
     MapPage page;
     page.title = "Map " + fs::path(input_).stem().string();
-    page.runs = runs();
+    page.runs = drawnRuns();
     writeMapPage(output_, map, page);
     console.out << counted(map.models.size(), "local model") << "; page in " << output_ << "\n";
     return kOk;
@@ -340,7 +340,7 @@ private:
     }
     MapPage page = answerPage(map, runs, evaluation ? &*evaluation : nullptr);
     page.title = fmt::format("{} in {}", titleOf(input_), fs::path(map_).stem().string());
-    page.runs = runs();
+    page.runs = drawnRuns();
     if (evaluation) page.runs.push_back({"true poses", posesOf(sequence->groundTruth())});
     std::optional<ViewBuilder> builder;
     if (sequence) {
