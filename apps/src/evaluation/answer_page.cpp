@@ -11,74 +11,48 @@
 namespace facetloc {
 namespace {
 
-using RunAndFrame = std::pair<std::string, std::string>;
-
-/** Turns rows of results into answers of a page. */
-class AnswerList {
-public:
-  AnswerList(const Map& map, const Evaluation* evaluation, bool relative)
-      : relative_(relative), indices_(map) {
-    const int part = mainPart(map);
-    part_ = static_cast<std::size_t>(part) < map.parts.size() ? map.parts[part] : "";
-    if (evaluation)
-      for (const FrameEvaluation& frame : evaluation->frames) frames_[{frame.run, frame.name}] = &frame;
+void judge(const FrameEvaluation& frame, bool relative, PageAnswer& answer) {
+  answer.wrong = frame.state == AnswerState::sure && !isRight(frame, relative).value_or(true);
+  answer.relative = relative;
+  if (const auto& error = relative ? frame.local_error : frame.best_error) {
+    answer.error_m = error->translation;
+    answer.error_deg = error->rotation_deg;
   }
-
-  void add(const RunResults& run) {
-    for (const ResultRow& row : run.rows) {
-      if (answers_.empty() || last_ != RunAndFrame(run.name, row.frame)) begin(run, row);
-      if (row.rank == 0) continue;
-      PageAnswer& answer = answers_.back();
-      if (!row.T_w_c || row.part != part_) continue;
-      if (row.rank == 1) {
-        const auto covariance = run.covariances.find(row.frame);
-        if (covariance != run.covariances.end()) answer.P_w_c = covariance->second;
-      }
-      answer.places.push_back(
-          {indices_.of(row.model), row.T_m_c, *row.T_w_c, row.probability, row.sd_trans_m, row.sd_rot_deg});
-    }
-  }
-
-  std::vector<PageAnswer> take() { return std::move(answers_); }
-
-private:
-  void begin(const RunResults& run, const ResultRow& row) {
-    last_ = {run.name, row.frame};
-    PageAnswer answer;
-    answer.run = run.name;
-    answer.frame = row.frame;
-    answer.state = row.state;
-    answer.reason = row.reason;
-    if (const auto found = frames_.find(last_); found != frames_.end()) judge(*found->second, answer);
-    answers_.push_back(std::move(answer));
-  }
-
-  void judge(const FrameEvaluation& frame, PageAnswer& answer) const {
-    answer.wrong = frame.state == AnswerState::sure && !isRight(frame, relative_).value_or(true);
-    answer.relative = relative_;
-    if (const auto& error = relative_ ? frame.local_error : frame.best_error) {
-      answer.error_m = error->translation;
-      answer.error_deg = error->rotation_deg;
-    }
-    if (!relative_) answer.truth = frame.T_w_c;
-  }
-
-  const bool relative_;
-  const ModelIndices indices_;
-  std::string part_;  // that is drawn
-  std::map<RunAndFrame, const FrameEvaluation*> frames_;
-  RunAndFrame last_;
-  std::vector<PageAnswer> answers_;
-};
+  if (!relative) answer.truth = frame.T_w_c;
+}
 
 }  // namespace
 
 MapPage answerPage(const Map& map, const std::vector<RunResults>& runs, const Evaluation* evaluation,
                    bool relative) {
-  AnswerList answers(map, evaluation, relative);
-  for (const RunResults& run : runs) answers.add(run);
+  const ModelIndices indices(map);
+  const auto part = static_cast<std::size_t>(mainPart(map));
+  const std::string drawn = part < map.parts.size() ? map.parts[part] : "";
+  std::map<std::pair<std::string, std::string>, const FrameEvaluation*> frames;
+  if (evaluation)
+    for (const FrameEvaluation& frame : evaluation->frames) frames[{frame.run, frame.name}] = &frame;
   MapPage page;
-  page.answers = answers.take();
+  for (const RunResults& run : runs) {
+    const std::size_t first = page.answers.size();
+    for (const ResultRow& row : run.rows) {
+      if (page.answers.size() == first || page.answers.back().frame != row.frame) {
+        PageAnswer begun;
+        begun.run = run.name;
+        begun.frame = row.frame;
+        begun.state = row.state;
+        begun.reason = row.reason;
+        const auto judged = frames.find({run.name, row.frame});
+        if (judged != frames.end()) judge(*judged->second, relative, begun);
+        page.answers.push_back(std::move(begun));
+      }
+      if (row.rank == 0 || !row.T_w_c || row.part != drawn) continue;
+      PageAnswer& answer = page.answers.back();
+      const auto covariance = run.covariances.find(row.frame);
+      if (row.rank == 1 && covariance != run.covariances.end()) answer.P_w_c = covariance->second;
+      answer.places.push_back(
+          {indices.of(row.model), row.T_m_c, *row.T_w_c, row.probability, row.sd_trans_m, row.sd_rot_deg});
+    }
+  }
   return page;
 }
 

@@ -37,21 +37,6 @@ Eigen::Isometry3d poseOf(const Json::Value& pose) {
   return T;
 }
 
-Json::Value jsonOf(const std::string& line) {
-  Json::CharReaderBuilder builder;
-  Json::CharReaderBuilder::strictMode(&builder.settings_);
-  const std::unique_ptr<Json::CharReader> reader(builder.newCharReader());
-  Json::Value value;
-  std::string errors;
-  bool is_json = false;
-  try {
-    is_json = reader->parse(line.data(), line.data() + line.size(), &value, &errors);
-  } catch (const std::exception&) {  // nested too deeply
-  }
-  if (!is_json || !value.isObject()) throw std::invalid_argument("it is no JSON object");
-  return value;
-}
-
 /** T_a_c, of T_w_c or T_w_b; nothing if there is neither. */
 std::optional<Eigen::Isometry3d> cameraPoseOf(const Json::Value& value,
                                               const std::optional<CameraMounting>& mounting) {
@@ -106,6 +91,21 @@ StartLine startOf(const Json::Value& value, const std::optional<CameraMounting>&
 }
 
 }  // namespace
+
+Json::Value jsonOf(const std::string& line) {
+  Json::CharReaderBuilder builder;
+  Json::CharReaderBuilder::strictMode(&builder.settings_);
+  const std::unique_ptr<Json::CharReader> reader(builder.newCharReader());
+  Json::Value value;
+  std::string errors;
+  bool is_json = false;
+  try {
+    is_json = reader->parse(line.data(), line.data() + line.size(), &value, &errors);
+  } catch (const std::exception&) {  // nested too deeply
+  }
+  if (!is_json || !value.isObject()) throw std::invalid_argument("it is no JSON object");
+  return value;
+}
 
 Matrix6d startCovariance(double std_m, double std_rad) {
   Matrix6d P = Matrix6d::Zero();

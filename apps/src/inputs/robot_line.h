@@ -8,6 +8,10 @@
 #include <stdexcept>
 #include <string>
 
+namespace Json {
+class Value;
+}
+
 namespace facetloc {
 
 /** \brief A pose that an odometry tells, in a frame of its own, which may drift. */
@@ -43,6 +47,9 @@ RobotLine parseRobotLine(const std::string& line, const std::optional<CameraMoun
 
 /** \brief Reads a line that has to be odometry. Throws std::invalid_argument with the cause. */
 OdometryLine parseOdometry(const std::string& line, const std::optional<CameraMounting>& mounting);
+
+/** \brief A line that is an object of JSON. Throws std::invalid_argument for any other. */
+Json::Value jsonOf(const std::string& line);
 
 /** \brief Covariance of a start of which no more is known than its standard deviations [m, rad]. */
 Matrix6d startCovariance(double std_m, double std_rad);

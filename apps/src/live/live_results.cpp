@@ -26,55 +26,37 @@ std::optional<int> nearestModel(const Map& map, const Eigen::Vector3d& place) {
   return nearest;
 }
 
-/** Makes the row of one live result. */
-class RowWriter {
-public:
-  RowWriter(const LiveResult& result, const Map* map, double min_probability)
-      : result_(result), frame_(result.image.name), map_(map), min_probability_(min_probability) {}
+ResultRow rowOf(const std::string& frame, const Hypothesis& best, const Map& map, double min_probability) {
+  Localization answer;
+  answer.hypotheses = {best};
+  answer.decide(min_probability);
+  return resultRows(frame, answer, map, 1).front();
+}
 
-  ResultRow row() const {
-    ResultRow row = poseRow();
-    if (result_.answer) row.not_in_map = result_.answer->not_in_map;
-    return row;
-  }
+/** Row of the camera that makes the map. */
+ResultRow rowOf(const std::string& frame, const PoseWithCovariance& pose, const Map& map,
+                double min_probability) {
+  const auto nearest = nearestModel(map, pose.T.translation());
+  if (!nearest) return noHypothesis(frame, "the map has no local model yet");
+  Hypothesis carried;
+  carried.model = *nearest;
+  carried.T_w_c = pose.T;
+  carried.T_m_c = map.models[*nearest].T_w_m->inverse() * pose;
+  carried.probability = 1;
+  return rowOf(frame, carried, map, min_probability);
+}
 
-private:
-  ResultRow poseRow() const {
-    if (!result_.mapped && (!result_.answer || !map_)) return noHypothesis(frame_, "segmented without a map");
-    if (!result_.isLocalized())
-      return noHypothesis(frame_,
-                          result_.state() + (result_.reason().empty() ? "" : ": " + result_.reason()));
-    if (result_.mapped) return rowOf(*result_.pose(), *result_.mapped->map);
-    ResultRow row = rowOf(result_.answer->hypotheses.front(), *map_);
-    row.state = AnswerState::sure;
-    if (!result_.match()) row.reason = "carried on: no local model shows what is in view";
-    return row;
-  }
-
-  ResultRow rowOf(const Hypothesis& best, const Map& map) const {
-    Localization answer;
-    answer.hypotheses = {best};
-    answer.decide(min_probability_);
-    return resultRows(frame_, answer, map, 1).front();
-  }
-
-  /** Row of the camera that makes the map. */
-  ResultRow rowOf(const PoseWithCovariance& pose, const Map& map) const {
-    const auto nearest = nearestModel(map, pose.T.translation());
-    if (!nearest) return noHypothesis(frame_, "the map has no local model yet");
-    Hypothesis carried;
-    carried.model = *nearest;
-    carried.T_w_c = pose.T;
-    carried.T_m_c = map.models[*nearest].T_w_m->inverse() * pose;
-    carried.probability = 1;
-    return rowOf(carried, map);
-  }
-
-  const LiveResult& result_;
-  const std::string& frame_;
-  const Map* map_;
-  double min_probability_;
-};
+ResultRow rowOf(const LiveResult& result, const Map* map, double min_probability) {
+  const std::string& frame = result.image.name;
+  if (!result.mapped && (!result.answer || !map)) return noHypothesis(frame, "segmented without a map");
+  if (!result.isLocalized())
+    return noHypothesis(frame, result.state() + (result.reason().empty() ? "" : ": " + result.reason()));
+  if (result.mapped) return rowOf(frame, *result.pose(), *result.mapped->map, min_probability);
+  ResultRow row = rowOf(frame, result.answer->hypotheses.front(), *map, min_probability);
+  row.state = AnswerState::sure;
+  if (!result.match()) row.reason = "carried on: no local model shows what is in view";
+  return row;
+}
 
 OutputLock lockOf(const std::filesystem::path& folder) {
   createFolders(folder);
@@ -86,7 +68,8 @@ OutputLock lockOf(const std::filesystem::path& folder) {
 FrameResult frameResult(const LiveResult& result, const Map* map, double min_probability) {
   FrameResult frame;
   frame.stamp = result.stamp;
-  frame.rows = {RowWriter(result, map, min_probability).row()};
+  frame.rows = {rowOf(result, map, min_probability)};
+  if (result.answer) frame.rows.front().not_in_map = result.answer->not_in_map;
   frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
                   static_cast<int>(result.mapped ? result.mapped->map->models.size()
                                    : map         ? map->models.size()

@@ -31,17 +31,6 @@ std::string firstBytes(const std::filesystem::path& file) {
   return text;
 }
 
-Json::Value parsed(const std::string& text) {
-  Json::CharReaderBuilder builder;
-  Json::CharReaderBuilder::strictMode(&builder.settings_);
-  const std::unique_ptr<Json::CharReader> reader(builder.newCharReader());
-  Json::Value line;
-  std::string ignored;
-  if (!reader->parse(text.data(), text.data() + text.size(), &line, &ignored) || !line.isObject())
-    throw std::invalid_argument("it must be a line of the stream");
-  return line;
-}
-
 std::string oneLine(const Json::Value& value) {
   Json::StreamWriterBuilder writer;
   writer["indentation"] = "";
@@ -108,7 +97,7 @@ std::string RememberedPose::start() const {
   Json::Value text;
   std::string line;
   try {
-    text = parsed(firstBytes(file_));
+    text = jsonOf(firstBytes(file_));
     line = poseLine(text);
     parseRobotLine(line, mounting_);
   } catch (const std::exception& e) {
@@ -122,8 +111,7 @@ std::string RememberedPose::start() const {
 void RememberedPose::put(const FrameResult& frame) {
   const ResultRow& best = frame.rows.front();
   if (best.state != AnswerState::sure || !best.T_w_c) return;
-  unwritten_ = toJson(frame, mounting_);
-  T_unwritten_ = *best.T_w_c, part_unwritten_ = best.part;
+  unwritten_ = frame;
   const auto now = std::chrono::steady_clock::now();
   if (written_ && now - *written_ < kInterval) return;
   write();
@@ -131,11 +119,12 @@ void RememberedPose::put(const FrameResult& frame) {
 }
 
 void RememberedPose::write() {
-  if (unwritten_.empty()) return;
-  Json::Value line = parsed(unwritten_);
-  line[kModelsKey] = modelsNear(T_unwritten_.translation(), part_unwritten_, *map_);
+  if (!unwritten_) return;
+  const ResultRow& best = unwritten_->rows.front();
+  Json::Value line = jsonOf(toJson(*unwritten_, mounting_));
+  line[kModelsKey] = modelsNear(best.T_w_c->translation(), best.part, *map_);
   writeTextAtomically(file_, [&line](std::ostream& out) { out << oneLine(line) << "\n"; });
-  unwritten_.clear();
+  unwritten_.reset();
 }
 
 }  // namespace facetloc

@@ -38,9 +38,7 @@ private:
   const std::filesystem::path file_;
   const std::shared_ptr<const Map> map_;
   const std::optional<CameraMounting> mounting_;
-  std::string unwritten_;  // line of the stream
-  Eigen::Isometry3d T_unwritten_ = Eigen::Isometry3d::Identity();
-  std::string part_unwritten_;
+  std::optional<FrameResult> unwritten_;
   std::optional<std::chrono::steady_clock::time_point> written_;
 };
 

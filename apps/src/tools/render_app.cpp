@@ -45,62 +45,25 @@ std::size_t indexOf(const DepthSequence& sequence, const std::string& name) {
   throw UsageError("there is no image " + name);
 }
 
-/** Draws an image, or an image in a map. */
-class ImageRenderer {
-public:
-  ImageRenderer(const DepthSequence& sequence, int width, const Camera& camera, const ViewParams& view)
-      : sequence_(sequence), width_(width), camera_(camera), view_(view), builder_(camera, view) {}
-
-  void localizeIn(const std::shared_ptr<const Map>& map, const GlobalLocalizationParams& params, int threads,
-                  int max_hypotheses) {
-    builder_ = ViewBuilder(map->calibrated(camera_), view_);
-    map_ = map;
-    localizer_.emplace(map, LocalizerParams(), params);
-    localizer_->setNumberOfThreads(threads);
-    max_hypotheses_ = max_hypotheses;
-  }
-
-  void render(std::size_t index, const fs::path& path) {
-    const FrameFile& file = sequence_.frames()[index];
-    const SeenImage image = sequence_.ofSegments()
-                                ? seeSegments(file.name, viewOf(sequence_, index, width_, builder_))
-                                : see(file.name, sequence_.load(index, width_), builder_);
-    if (localizer_)
-      drawMatches(path, image, *map_, answers(image, file.stamp));
-    else
-      drawSegmentation(path, image);
-  }
-
-private:
-  std::vector<DrawnMatch> answers(const SeenImage& image, double stamp) const {
-    const Localization answer = localizer_->localize(image.view);
-    if (answer.hypotheses.empty())
-      return {{-1, Eigen::Isometry3d::Identity(), "no hypothesis: " + answer.reason}};
-    const auto truth = sequence_.groundTruth().at(stamp);
-    std::vector<DrawnMatch> drawn;
-    for (const Hypothesis& h : answer.hypotheses) {
-      const std::size_t rank = drawn.size() + 1;
-      if (static_cast<int>(rank) > max_hypotheses_) break;
-      std::string caption = fmt::format("rank {}, probability {:.2f}", rank, h.probability);
-      if (truth && h.T_w_c && h.part == 0 && hasGivenPose(*map_)) {
-        const PoseError error = poseError(*h.T_w_c, *truth);
-        caption +=
-            fmt::format(": {:.3f} m and {:.2f}° from the truth", error.translation, error.rotation_deg);
-      }
-      drawn.push_back({h.model, h.T_m_c.T, caption});
+/** The first answers to an image. \param truth where it was taken, if that is known */
+std::vector<DrawnMatch> answersTo(const SeenImage& image, const Localizer& localizer, const Map& map,
+                                  int most, const std::optional<Eigen::Isometry3d>& truth) {
+  const Localization answer = localizer.localize(image.view);
+  if (answer.hypotheses.empty())
+    return {{-1, Eigen::Isometry3d::Identity(), "no hypothesis: " + answer.reason}};
+  std::vector<DrawnMatch> drawn;
+  for (const Hypothesis& h : answer.hypotheses) {
+    const std::size_t rank = drawn.size() + 1;
+    if (static_cast<int>(rank) > most) break;
+    std::string caption = fmt::format("rank {}, probability {:.2f}", rank, h.probability);
+    if (truth && h.T_w_c && h.part == 0 && hasGivenPose(map)) {
+      const PoseError error = poseError(*h.T_w_c, *truth);
+      caption += fmt::format(": {:.3f} m and {:.2f}° from the truth", error.translation, error.rotation_deg);
     }
-    return drawn;
+    drawn.push_back({h.model, h.T_m_c.T, caption});
   }
-
-  const DepthSequence& sequence_;
-  const int width_;
-  const Camera camera_;
-  const ViewParams view_;
-  ViewBuilder builder_;
-  std::shared_ptr<const Map> map_;
-  std::optional<Localizer> localizer_;
-  int max_hypotheses_ = 1;
-};
+  return drawn;
+}
 
 /** \brief The belief about each image of a results folder, in their order. */
 std::vector<DrawnBelief> beliefsOf(const fs::path& results) {
@@ -234,16 +197,31 @@ private:
     }
 
     const Camera camera = depth_.camera(sequence.camera(), line);
-    ImageRenderer renderer(sequence, depth_.width, camera, depth_.view);
+    std::shared_ptr<const Map> map;
+    std::optional<Localizer> localizer;
     if (!map_.empty()) {
-      const auto map = std::make_shared<const Map>(openMap(map_));
+      map = std::make_shared<const Map>(openMap(map_));
       noteUnfinished(*map, map_, console);
       noteDifference(map->calibrated(camera), *map, console);
-      renderer.localizeIn(map, localization_, threads(), max_hypotheses_);
+      localizer.emplace(map, LocalizerParams(), localization_);
+      localizer->setNumberOfThreads(threads());
     }
+    ViewBuilder builder(map ? map->calibrated(camera) : camera, depth_.view);
     Batch batch(1, chosen.size(), console);  // OpenGL is used by one thread
     batch.run([&](std::size_t k) { return sequence.frames()[chosen[k]].path.string(); },
-              [&](std::size_t k, int) { renderer.render(chosen[k], pathOf(chosen[k])); });
+              [&](std::size_t k, int) {
+                const std::size_t i = chosen[k];
+                const FrameFile& file = sequence.frames()[i];
+                const SeenImage image =
+                    sequence.ofSegments() ? seeSegments(file.name, viewOf(sequence, i, depth_.width, builder))
+                                          : see(file.name, sequence.load(i, depth_.width), builder);
+                if (localizer)
+                  drawMatches(pathOf(i), image, *map,
+                              answersTo(image, *localizer, *map, max_hypotheses_,
+                                        sequence.groundTruth().at(file.stamp)));
+                else
+                  drawSegmentation(pathOf(i), image);
+              });
     const int code = batch.report();
     console.out << counted(chosen.size() - batch.failures().size(), "picture") << " in " << output_ << "\n";
     return code;
