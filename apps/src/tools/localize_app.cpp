@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/odometry_steps.h"
 #include "base/text.h"
 #include "batch/batch.h"
 #include "batch/shared_batch.h"
@@ -17,7 +18,6 @@
 #include "outputs/localization_report.h"
 #include "outputs/pose_stream.h"
 #include "outputs/provenance.h"
-#include "tools/drive.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
@@ -25,6 +25,7 @@
 #include <facetloc/io/output_lock.h>
 #include <facetloc/io/results.h>
 #include <facetloc/localization/localizer.h>
+#include <facetloc/registration/pose_prior.h>
 
 #include <algorithm>
 #include <chrono>
@@ -46,13 +47,36 @@ using Clock = std::chrono::steady_clock;
 /** Localizes an image. */
 using Locate = std::function<Localization(const View& view, double stamp)>;
 
-Locate eachByItself(const std::shared_ptr<const Localizer>& localizer) {
-  return [localizer](const View& view, double) { return localizer->localize(view); };
-}
+/** Motions of a camera from image to image, as an odometry has measured them. */
+struct MeasuredMotion {
+  PosesByTime odometry;  // T_o_c; may be empty
+  std::optional<CameraMounting> mounting;
+  OdometryError error;
+  internal::OdometrySteps steps{};
 
-Locate asOneDrive(Drive& drive) {
-  return [&drive](const View& view, double stamp) { return drive.add(view, stamp); };
-}
+  /** T_before_now since the last call; nothing at the first, and where the odometry has a gap. */
+  std::optional<PoseWithCovariance> until(double stamp) {
+    const auto T_before_now = odometry ? steps.to(odometry(stamp)) : std::nullopt;
+    if (!T_before_now) return {};
+    return motionByOdometry(*T_before_now, mounting, error);
+  }
+};
+
+/** Images of one drive, which are localized by each other, in their order. */
+struct Drive {
+  Localizer localizer;
+  MeasuredMotion motion;
+  bool smoothing = false;          // later images refine the poses of earlier ones, which are kept
+  std::vector<DriveView> views{};  // those that are kept
+
+  /** The answer by all images up to this one. */
+  Localization add(const View& view, double stamp) {
+    const std::optional<PoseWithCovariance> moved = motion.until(stamp);
+    Localization answer = localizer.update(view, stamp, moved);
+    if (smoothing) views.push_back({view, stamp, moved, answer});
+    return answer;
+  }
+};
 
 /** ", first sure at image 5": how long a drive takes until it knows where it is. */
 std::string firstSure(const std::vector<FrameResult>& results) {
@@ -214,9 +238,11 @@ private:
   ImageBatch::Work imageWork(const Task& task, const std::vector<std::size_t>& images, int workers,
                              Drive* drive) const {
     const bool is_alone = task.frames().size() == 1;  // else several images are localized at a time
-    const Locate locate = drive ? asOneDrive(*drive)
-                                : eachByItself(std::make_shared<const Localizer>(
-                                      newLocalizer(task.map, is_alone ? threads() : 1)));
+    Locate locate = [drive](const View& view, double stamp) { return drive->add(view, stamp); };
+    if (!drive)
+      locate = [localizer =
+                    std::make_shared<const Localizer>(newLocalizer(task.map, is_alone ? threads() : 1))](
+                   const View& view, double) { return localizer->localize(view); };
     const auto builders =
         std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(task.camera, input_.view));
     const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& {
@@ -237,7 +263,7 @@ private:
     Progress progress(console, localized.size());
     const StopSignal stop;
     std::size_t done = 0;
-    const std::vector<Localization> answers = drive.smoothed([&] {
+    const std::vector<Localization> answers = drive.localizer.smoothed(drive.views, [&] {
       if (stop.raised()) throw Stopped(done, localized.size());
       ++done;
       progress.step();
@@ -400,7 +426,7 @@ private:
     if (is_sequence_) {
       Localizer localizer = newLocalizer(map, threads());
       if (const auto start = startPose(near_, camera.mounting)) localizer.setPose(*start);
-      drive.emplace(std::move(localizer), measuredMotion(task), smooth_);
+      drive.emplace(Drive{std::move(localizer), measuredMotion(task), smooth_});
     }
     const int at_a_time = drive ? 1 : threads();  // a drive has an order
     ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {
