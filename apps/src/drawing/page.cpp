@@ -16,7 +16,6 @@
 #include <vtkTextProperty.h>
 #include <vtkTextRenderer.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>

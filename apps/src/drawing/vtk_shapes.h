@@ -8,7 +8,6 @@
 #include <vtkNew.h>
 #include <vtkPolyData.h>
 
-#include <cstdint>
 #include <vector>
 
 namespace facetloc {

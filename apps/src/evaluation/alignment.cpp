@@ -10,7 +10,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <stdexcept>
-#include <string>
 
 namespace facetloc {
 namespace {

@@ -2,7 +2,6 @@
 #include "evaluation/start_curves.h"
 
 #include "base/text.h"
-#include "cli/text.h"
 
 #include <facetloc/io/atomic_file.h>
 

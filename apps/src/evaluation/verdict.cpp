@@ -4,7 +4,6 @@
 #include "cli/text.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <utility>

@@ -4,7 +4,6 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <fmt/format.h>
 #include <memory>
 
 namespace facetloc {

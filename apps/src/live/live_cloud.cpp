@@ -16,7 +16,6 @@
 #include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace facetloc {
 namespace {

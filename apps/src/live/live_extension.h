@@ -9,7 +9,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <string>
 
 namespace facetloc {
 

@@ -6,7 +6,6 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/mapping/growing_map.h>
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>

@@ -15,7 +15,6 @@
 #include <pcl/io/image_grabber.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <stdexcept>

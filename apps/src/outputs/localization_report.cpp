@@ -4,8 +4,6 @@
 #include "base/text.h"
 #include "cli/text.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/core.h>
 
 namespace facetloc {

@@ -15,14 +15,11 @@
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/mapping/map_making.h>
-#include <facetloc/registration/observability.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
-#include <map>
-#include <set>
 #include <string>
 #include <vector>
 

@@ -16,7 +16,6 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/map_graph.h>
 #include <facetloc/io/occupancy_grid_file.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/map_session.h>
 
@@ -24,10 +23,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fmt/core.h>
-#include <functional>
-#include <limits>
 #include <memory>
-#include <set>
 #include <sstream>
 
 namespace facetloc {

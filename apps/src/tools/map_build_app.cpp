@@ -15,14 +15,12 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
-#include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/map_making.h>
 
 #include <algorithm>
 #include <fmt/core.h>
 #include <map>
 #include <memory>
-#include <utility>
 
 namespace facetloc {
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/heartbeat.h"
-#include "cli/text.h"
 #include "cli/tools.h"
 #include "evaluation/evaluation_report.h"
 #include "inputs/depth_input.h"
@@ -8,7 +7,6 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <sstream>
