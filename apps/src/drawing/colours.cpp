@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace facetloc {
 
@@ -32,19 +33,10 @@ Colour directionColour(const Eigen::Vector3d& normal, const Eigen::Vector3d& up)
 }
 
 Colour segmentColour(std::size_t k) {
-  static constexpr std::array<Colour, 12> kColours = {{{0, 114, 178},
-                                                       {230, 159, 0},
-                                                       {0, 158, 115},
-                                                       {204, 121, 167},
-                                                       {86, 180, 233},
-                                                       {213, 94, 0},
-                                                       {240, 228, 66},
-                                                       {51, 34, 136},
-                                                       {153, 153, 51},
-                                                       {136, 34, 85},
-                                                       {68, 170, 153},
-                                                       {221, 204, 119}}};
-  return kColours[k % kColours.size()];
+  constexpr Colour kColours[] = {{0, 114, 178},  {230, 159, 0}, {0, 158, 115},  {204, 121, 167},
+                                 {86, 180, 233}, {213, 94, 0},  {240, 228, 66}, {51, 34, 136},
+                                 {153, 153, 51}, {136, 34, 85}, {68, 170, 153}, {221, 204, 119}};
+  return kColours[k % std::size(kColours)];
 }
 
 }  // namespace facetloc

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -29,13 +28,8 @@ Colour mixed(const Colour& a, const Colour& b, double share_of_b);
 constexpr Colour kBlack = {0, 0, 0}, kWhite = {255, 255, 255}, kRed = {200, 40, 40};
 
 /** \brief Colours of chart curves and of a map's runs: blue, green, orange, purple, brown, pink, teal. */
-constexpr std::array<Colour, 7> kCurveColours = {{{31, 119, 180},
-                                                  {44, 160, 44},
-                                                  {255, 127, 14},
-                                                  {148, 103, 189},
-                                                  {140, 86, 75},
-                                                  {227, 119, 194},
-                                                  {23, 190, 207}}};
+constexpr Colour kCurveColours[] = {{31, 119, 180}, {44, 160, 44},   {255, 127, 14}, {148, 103, 189},
+                                    {140, 86, 75},  {227, 119, 194}, {23, 190, 207}};
 
 /** \brief A colour by direction, as on pages for browsers: upright surfaces have the hue of where they look,
  * the more level the greyer. \param normal, up unit vectors in one frame; hues begin anywhere about up */

@@ -10,22 +10,15 @@ namespace facetloc {
 std::string htmlEscaped(std::string_view text) {
   std::string html;
   for (const char c : text) {
-    switch (c) {
-    case '&':
-      html += "&amp;";
-      break;
-    case '<':
-      html += "&lt;";
-      break;
-    case '>':
-      html += "&gt;";
-      break;
-    case '"':
-      html += "&quot;";
-      break;
-    default:
+    const char* entity = c == '&'   ? "&amp;"
+                         : c == '<' ? "&lt;"
+                         : c == '>' ? "&gt;"
+                         : c == '"' ? "&quot;"
+                                    : nullptr;
+    if (entity)
+      html += entity;
+    else
       html += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    }
   }
   return html;
 }

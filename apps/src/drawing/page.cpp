@@ -133,12 +133,8 @@ void Page::picture(const Box& box, const Raster<std::uint8_t>& rgb) {
 }
 
 void Page::frame(const Box& box, const Pen& pen) {
-  line({{box.left, box.top},
-        {box.right(), box.top},
-        {box.right(), box.bottom()},
-        {box.left, box.bottom()},
-        {box.left, box.top}},
-       pen);
+  const Eigen::Vector2d first(box.left, box.top), third(box.right(), box.bottom());
+  line({first, {third.x(), first.y()}, third, {first.x(), third.y()}, first}, pen);
 }
 
 vtkRenderer* Page::scene(const Box& box) {

@@ -9,6 +9,7 @@
 #include <facetloc/io/error.h>
 
 #include <fmt/format.h>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -29,8 +30,8 @@ const Colour& colourOf(MissKind kind) {
 std::vector<DrawnRun> drawnRuns(const PlaceTruth& truth) {
   std::vector<DrawnRun> runs;
   for (const PlaceTruth::Sequence& s : truth.sequences())
-    runs.push_back(
-        {s.folder.filename().string(), posesOf(s.poses), kCurveColours[runs.size() % kCurveColours.size()]});
+    runs.push_back({s.folder.filename().string(), posesOf(s.poses),
+                    kCurveColours[runs.size() % std::size(kCurveColours)]});
   if (runs.empty()) runs.push_back({"true poses", posesOf(truth.poses())});
   return runs;
 }

@@ -38,14 +38,10 @@ double percentOf(std::size_t n, const Summary& s) { return shareOf(n, s.total); 
 
 Quantity count(const char* table, const char* name, std::size_t Summary::*n, std::optional<double> paper = {},
                std::optional<double> paper_percent = {}) {
-  return {table,
-          "",
-          name,
-          0,
-          [n](const Summary& s) { return static_cast<double>(s.*n); },
-          paper,
-          [n](const Summary& s) { return percentOf(s.*n, s); },
-          paper_percent};
+  Quantity quantity{table, "", name, 0, [n](const Summary& s) { return static_cast<double>(s.*n); }, paper};
+  quantity.percent = [n](const Summary& s) { return percentOf(s.*n, s); };
+  quantity.paper_percent = paper_percent;
+  return quantity;
 }
 
 /** The moments of an error, and the bound of most; \param paper of these four. */

@@ -9,7 +9,6 @@
 #include <vtkRenderWindow.h>
 #include <vtkXRenderWindowInteractor.h>  // the last one: it defines macros of X
 
-#include <array>
 #include <utility>
 
 namespace facetloc {
@@ -24,13 +23,10 @@ struct Key {
   const char* name;
   LiveCommand command;
 };
-constexpr std::array<Key, 7> kKeys = {{{"s", LiveCommand::screenshot},
-                                       {"r", LiveCommand::record},
-                                       {"p", LiveCommand::pause},
-                                       {"space", LiveCommand::pause},
-                                       {"l", LiveCommand::relocalize},
-                                       {"q", LiveCommand::quit},
-                                       {"Escape", LiveCommand::quit}}};
+constexpr Key kKeys[] = {{"s", LiveCommand::screenshot}, {"r", LiveCommand::record},
+                         {"p", LiveCommand::pause},      {"space", LiveCommand::pause},
+                         {"l", LiveCommand::relocalize}, {"q", LiveCommand::quit},
+                         {"Escape", LiveCommand::quit}};
 
 }  // namespace
 

@@ -87,16 +87,10 @@ std::string cameraLine(const std::optional<CameraFile>& file) {
   }
   if (!std::isinf(camera.max_depth)) add("max_depth", camera.max_depth);
   const LensDistortion& lens = file->lens;
-  if (!lens.isNone())
-    for (const auto& [name, value] : {std::pair("k1", lens.k1),
-                                      {"k2", lens.k2},
-                                      {"k3", lens.k3},
-                                      {"k4", lens.k4},
-                                      {"k5", lens.k5},
-                                      {"k6", lens.k6},
-                                      {"p1", lens.p1},
-                                      {"p2", lens.p2}})
-      add(name, value);
+  if (!lens.isNone()) {
+    add("k1", lens.k1), add("k2", lens.k2), add("k3", lens.k3), add("k4", lens.k4);
+    add("k5", lens.k5), add("k6", lens.k6), add("p1", lens.p1), add("p2", lens.p2);
+  }
   if (file->depth_is == DepthKind::distance) line += ", depth_is distance";
   return line + "\n";
 }
