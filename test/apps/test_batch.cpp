@@ -90,14 +90,6 @@ TEST_F(BatchTest, DoesAllWithTheThreadsThatThereAre) {
   EXPECT_EXIT(runWithoutRoom(), testing::ExitedWithCode(0), "");
 }
 
-TEST_P(BatchTest, RunsPartAfterPart) {
-  Batch batch(GetParam(), 6, console_);
-  std::vector<int> done(6, 0);
-  for (std::size_t first = 0; first < 6; first += 2)
-    EXPECT_EQ(batch.run(first, first + 2, name, [&](std::size_t i, int) { done[i] = 1; }).size(), 2u);
-  EXPECT_THAT(done, Each(1));
-}
-
 TEST_P(BatchTest, NothingToDo) {
   Batch batch(GetParam(), 0, console_);
   EXPECT_THAT(batch.run(name, [](std::size_t, int) { FAIL(); }), IsEmpty());

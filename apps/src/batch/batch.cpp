@@ -39,18 +39,14 @@ ItemFailure Batch::failureOf(const Name& name, std::size_t index, const std::fun
 Batch::Batch(int threads, std::size_t total, const Console& console)
     : workers_(workersFor(threads, total)), total_(total), console_(console), progress_(console, total) {}
 
-std::vector<bool> Batch::run(std::size_t first, std::size_t last, const Name& name, const Job& job) {
-  std::vector<ItemFailure> ended(last - first);
+std::vector<bool> Batch::run(const Name& name, const Job& job) {
+  std::vector<ItemFailure> ended(total_);
   OrderedJobs jobs(
       workers_, ended.size(), ended.size(),
-      [&](std::size_t i, int worker) {
-        ended[i] = failureOf(name, first + i, [&] { job(first + i, worker); });
-      },
-      stop_);
+      [&](std::size_t i, int worker) { ended[i] = failureOf(name, i, [&] { job(i, worker); }); }, stop_);
   std::vector<bool> done;
   for (const ItemFailure& failure : ended) {
-    if (!jobs.next()) throw Stopped(done_, total_);
-    ++done_;
+    if (!jobs.next()) throw Stopped(done.size(), total_);
     progress_.step();
     done.push_back(failure.message.empty());
     if (!failure.message.empty()) failures_.push_back(failure.message);

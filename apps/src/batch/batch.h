@@ -40,11 +40,10 @@ public:
 
   using Job = std::function<void(std::size_t index, int worker)>;
   using Name = std::function<std::string(std::size_t index)>;
-  /** \brief Calls job for first, ..., last - 1. \param name of an item, for messages. \return for each of
-   * these items whether its job came through. Throws WriteError of a job, and Stopped at the first Ctrl-C or
-   * SIGTERM, once the items that were begun are done. */
-  std::vector<bool> run(std::size_t first, std::size_t last, const Name& name, const Job& job);
-  std::vector<bool> run(const Name& name, const Job& job) { return run(0, total_, name, job); }
+  /** \brief Calls job for each item, once. \param name of an item, for messages. \return for each item
+   * whether its job came through. Throws WriteError of a job, and Stopped at the first Ctrl-C or SIGTERM,
+   * once the items that were begun are done. */
+  std::vector<bool> run(const Name& name, const Job& job);
 
   /** \brief Name and cause of each item that failed so far, in the order of the items. */
   const std::vector<std::string>& failures() const { return failures_; }
@@ -63,7 +62,6 @@ private:
   const Console& console_;
   Progress progress_;
   StopSignal stop_;
-  std::size_t done_ = 0;  // items, also those that failed
   std::vector<std::string> failures_;
 };
 

@@ -102,23 +102,14 @@ private:
   std::optional<Eigen::Vector2d> chosen_point_;  // place in the cloud's panel, as shares of its size
   std::optional<int> chosen_model_;
   Shapes decoration_{1};
-  Label state_, reason_, pose_, frame_, cloud_caption_, whole_caption_, near_caption_, image_caption_;
-  Still image_, depth_;
+  Label state_{ground_, 22, kWhite, true}, reason_{ground_, 17, kBlack}, pose_{ground_, 17, kBlack},
+      frame_{ground_, 15, kPale}, cloud_caption_{ground_, 15, kPale}, whole_caption_{ground_, 15, kPale},
+      near_caption_{ground_, 15, kPale}, image_caption_{ground_, 15, kPale};
+  Still image_{ground_}, depth_{ground_};
   std::vector<std::unique_ptr<Label>> footer_;
 };
 
-LivePicture::Scene::Scene(vtkRenderWindow* window, std::shared_ptr<const Map> map)
-    : window_(window),
-      state_(ground_, 22, kWhite, true),
-      reason_(ground_, 17, kBlack),
-      pose_(ground_, 17, kBlack),
-      frame_(ground_, 15, kPale),
-      cloud_caption_(ground_, 15, kPale),
-      whole_caption_(ground_, 15, kPale),
-      near_caption_(ground_, 15, kPale),
-      image_caption_(ground_, 15, kPale),
-      image_(ground_),
-      depth_(ground_) {
+LivePicture::Scene::Scene(vtkRenderWindow* window, std::shared_ptr<const Map> map) : window_(window) {
   window_->SetNumberOfLayers(2);
   ground_->SetBackground(1, 1, 1);
   ground_->AddActor(decoration_.actor());
