@@ -4,7 +4,9 @@
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "inputs/start_option.h"
+#include "live/live_extension.h"
 #include "live/live_run.h"
+#include "live/live_window.h"
 #include "outputs/begun_map.h"
 #include "outputs/localization_report.h"
 #include "outputs/map_completion.h"
@@ -116,12 +118,12 @@ private:
   int execute(const CommandLine& line, const Console& console) override {
     checkOptions();
     LiveRunOptions options = run_;
-    if (!streams_) return playOrMap(options, line, console);
-    options.stream = &console.out;
-    return playOrMap(options, line, besideStream(console));
+    if (streams_) options.stream = &console.out;
+    playOrMap(options, line, streams_ ? besideStream(console) : console);
+    return kOk;
   }
 
-  int playOrMap(LiveRunOptions options, const CommandLine& line, const Console& console) const {
+  void playOrMap(LiveRunOptions options, const CommandLine& line, const Console& console) const {
     for (std::string* path : {&options.map, &options.build, &options.extend, &options.remember,
                               &options.results, &options.screenshots, &options.recording})
       makeAbsolute(*path);
@@ -145,10 +147,9 @@ private:
     if (options.build.empty()) return play(options, line, console);
     const OutputLock lock = OutputLock::ofFile(options.build);
     const std::string map = options.build;
-    int code = kOk;
     const auto build = [&](const fs::path& path) {
       options.build = path.string();
-      code = play(options, line, console);
+      play(options, line, console);
       if (!isThere(path)) throw IoError(map, "is not written: no frame came");
       completeMap(path, threads(), console, true);
     };
@@ -160,11 +161,10 @@ private:
       build(map);
     }
     console.print("map in " + map + "\n");
-    return code;
   }
 
   /** Images of a run that was killed are taken up first. */
-  int playAndExtend(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
+  void playAndExtend(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
     MapUpdateParams params;
     params.places = algorithms_.places;
     params.trajectory = algorithms_.mapping;
@@ -173,27 +173,18 @@ private:
     in_map.map = options.extend;
     const OutputLock lock = OutputLock::ofFile(options.extend);
     takeUpSession(options.extend, params, threads(), console);
-    const int code = play(in_map, line, console);
+    play(in_map, line, console);
     takeUpSession(options.extend, params, threads(), console);
-    return code;
   }
 
-  int play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
+  void play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
     LiveAlgorithms algorithms = algorithms_;
     algorithms.camera = [&](const std::optional<CameraFile>& file) { return input_.camera(file, line); };
     algorithms.session.view = input_.view;
     algorithms.session.width = input_.width;
     if (line.given("min-probability")) algorithms.min_probability = min_probability_;
     algorithms.session.threads = threads();
-    LiveRun run(options, algorithms, console);
-    try {
-      run.run();
-    } catch (...) {
-      console.print(run.summary() + "\n");
-      throw;
-    }
-    console.print(run.summary() + "\n");
-    return kOk;
+    runLive(options, algorithms, console);
   }
 
   LiveRunOptions run_;
