@@ -74,22 +74,174 @@ private:
 
 class LivePicture::Scene {
 public:
-  Scene(vtkRenderWindow* window, std::shared_ptr<const Map> map);
-  void show(const LiveResult& result, const std::vector<std::string>& footer);
-  void choose(const Eigen::Vector2d& at);
+  Scene(vtkRenderWindow* window, std::shared_ptr<const Map> map) : window_(window) {
+    window_->SetNumberOfLayers(2);
+    ground_->SetBackground(1, 1, 1);
+    ground_->AddActor(decoration_.actor());
+    window_->AddRenderer(ground_);
+    window_->AddRenderer(cloud_.ground());
+    window_->AddRenderer(cloud_.overlay());
+    setMap(std::move(map));
+  }
+
+  void choose(const Eigen::Vector2d& at) {
+    const auto panel = looks_.panelAt(at);
+    chosen_point_.reset();
+    if (!panel) return chosen_model_.reset();
+    const Box& box = looks_.box(*panel);
+    if (*panel == LiveLooks::Panel::cloud)
+      chosen_point_ = {(at.x() - box.left) / box.width, (at.y() - box.top) / box.height};
+    else if (plan_)
+      chosen_model_ = plan_->modelAt(*panel, {at.x(), height_ - at.y()});
+  }
+
+  void show(const LiveResult& result, const std::vector<std::string>& footer) {
+    if (result.mapped && result.mapped->map != map_) setMap(result.mapped->map);
+    const int* size = window_->GetSize();
+    width_ = size[0], height_ = size[1];
+    vtkCamera* camera = ground_->GetActiveCamera();
+    camera->ParallelProjectionOn();
+    camera->SetParallelScale(height_ / 2);
+    camera->SetPosition(width_ / 2, height_ / 2, 1);
+    camera->SetFocalPoint(width_ / 2, height_ / 2, 0);
+    camera->SetClippingRange(0.1, 10);
+
+    const Layout layout(width_, height_, footer.size(), plan_ != nullptr);
+    looks_.setBoxes(layout.cloud, plan_ ? layout.whole : Box(), plan_ ? layout.near : Box());
+    const LiveColours colours(result, map_.get());
+    showHeader(result, colours.matched);
+    showCloud(result, colours, layout);
+    if (plan_) showPlan(result, layout);
+    showImage(result, layout);
+    decoration_.show();
+    showFooter(footer, layout.footer_top);
+    window_->Render();
+  }
+
   LiveLooks& looks() { return looks_; }
 
 private:
-  void showCloud(const LiveResult& result, const LiveColours& colours, const Layout& layout);
-  void showFooter(const std::vector<std::string>& footer, double top);
-  std::optional<Eigen::Vector2d> chosenPixel() const;
-  void place(vtkRenderer* renderer, const Box& box);
-  void caption(Label& label, const std::string& words, const Box& box);
-  void showHeader(const LiveResult& result, std::size_t matched);
-  void showPlan(const LiveResult& result, const Layout& layout);
-  void setMap(std::shared_ptr<const Map> map);
-  void showImage(const LiveResult& result, const Layout& layout);
-  void addFrame(const Box& box, double inset = 0);
+  void setMap(std::shared_ptr<const Map> map) {
+    map_ = std::move(map);
+    if (plan_) {
+      window_->RemoveRenderer(plan_->whole());
+      window_->RemoveRenderer(plan_->near());
+    }
+    plan_.reset();
+    chosen_model_.reset();
+    if (!map_) return;
+    plan_ = std::make_unique<LivePlan>(map_);
+    if (plan_->empty()) {
+      plan_.reset();
+      return;
+    }
+    window_->AddRenderer(plan_->whole());
+    window_->AddRenderer(plan_->near());
+  }
+
+  void place(vtkRenderer* renderer, const Box& box) {
+    renderer->SetViewport(box.left / width_, 1 - box.bottom() / height_, box.right() / width_,
+                          1 - box.top / height_);
+  }
+
+  void addFrame(const Box& box) {
+    const double l = box.left - 1, r = box.right() + 1, t = box.top - 1, b = box.bottom() + 1;
+    decoration_.line({onGround(l, t), onGround(r, t), onGround(r, b), onGround(l, b)}, kFrame, true);
+  }
+
+  void caption(Label& label, const std::string& words, const Box& box) {
+    label.show(words, {box.left, box.top - kCaption / 2 - 1}, box.width, height_);
+  }
+
+  /** The state as a badge, why it is so, and the pose. */
+  void showHeader(const LiveResult& result, std::size_t matched) {
+    const std::string state = result.state();
+    const double badge = textWidth(state, {22, true}) + 28, top = 8, bottom = 42;
+    decoration_.polygon({onGround(kMargin, top), onGround(kMargin + badge, top),
+                         onGround(kMargin + badge, bottom), onGround(kMargin, bottom)},
+                        stateColour(result));
+    const double line = (top + bottom) / 2;
+    state_.show(state, {kMargin + 14, line}, badge, height_);
+    const std::string number = "frame " + result.image.name;
+    const double number_width = textWidth(number, {15, false}) + kMargin;
+    frame_.show(number, {width_ - kMargin, line}, width_, height_, Across::right);
+    const double left = kMargin + badge + 14;
+    reason_.show(result.remark(), {left, line}, width_ - left - number_width - kMargin, height_);
+    pose_.setColour(result.pose() && !result.isLocalized() ? kUntold : kBlack);
+    pose_.show(poseText(result, map_.get(), plan_.get(), matched), {kMargin, 60}, width_ - 2 * kMargin,
+               height_);
+  }
+
+  void showPlan(const LiveResult& result, const Layout& layout) {
+    using Panel = LiveLooks::Panel;
+    place(plan_->whole(), layout.whole);
+    place(plan_->near(), layout.near);
+    plan_->near()->SetDraw(layout.near.width > 0);
+    plan_->show(result, {{layout.whole.width, layout.whole.height},
+                         {layout.near.width, layout.near.height},
+                         looks_[Panel::whole],
+                         looks_[Panel::near],
+                         chosen_model_});
+    addFrame(layout.whole);
+    caption(whole_caption_,
+            chosen_model_ ? modelText(*map_, *chosen_model_)
+                          : "map from above: " + counted(map_->models.size(), "local model"),
+            layout.whole);
+    if (layout.near.width <= 0) return near_caption_.hide();
+    addFrame(layout.near);
+    caption(near_caption_,
+            fmt::format("{:.9g} m high{}", plan_->nearHeight(),
+                        result.pose() ? "; ellipse: 2 std, to scale" : ""),
+            layout.near);
+  }
+
+  /** A click is where it is: the segment that is there now. */
+  std::optional<Eigen::Vector2d> chosenPixel() const {
+    if (!chosen_point_) return {};
+    const Box& box = looks_.box(LiveLooks::Panel::cloud);
+    return Eigen::Vector2d(box.left + chosen_point_->x() * box.width,
+                           height_ - box.top - chosen_point_->y() * box.height);
+  }
+
+  void showCloud(const LiveResult& result, const LiveColours& colours, const Layout& layout) {
+    place(cloud_.ground(), layout.cloud);
+    place(cloud_.overlay(), layout.cloud);
+    const auto chosen =
+        cloud_.show(result, colours, map_.get(), looks_[LiveLooks::Panel::cloud], chosenPixel());
+    addFrame(layout.cloud);
+    caption(cloud_caption_,
+            chosen ? segmentText(result.image.view, *chosen)
+                   : "cloud by segment; axes: x, y, normal; ellipses: 2 std of the normals, × 10" +
+                         std::string(result.match() ? "; thick: local model" : ""),
+            layout.cloud);
+  }
+
+  void showFooter(const std::vector<std::string>& footer, double top) {
+    for (std::size_t i = 0; i < std::max(footer.size(), footer_.size()); ++i) {
+      if (i == footer_.size()) footer_.push_back(std::make_unique<Label>(ground_, 15, kPale));
+      if (i < footer.size())
+        footer_[i]->show(footer[i], {kMargin, top + (static_cast<double>(i) + 0.4) * kFooterLine},
+                         width_ - 2 * kMargin, height_);
+      else
+        footer_[i]->hide();
+    }
+  }
+
+  void showImage(const LiveResult& result, const Layout& layout) {
+    const SeenImage& image = result.image;
+    if (!image.depth.valid()) {
+      image_.hide(), depth_.hide();
+      return;
+    }
+    const Box box = fitted(layout.image, image.depth.camera);
+    image_.show(overlay(image.depth, image.labels), box, height_);
+    caption(image_caption_, counted(image.view.segments.size(), "segment") + " in the depth image", box);
+    if (plan_) return;
+    const Box upper = fitted(layout.whole, image.depth.camera);
+    depth_.show(greyDepth(image.depth), upper, height_);
+    caption(whole_caption_, "depth image, darker = closer", upper);
+  }
+
   Eigen::Vector3d onGround(double x, double y) const { return {x, height_ - y, 0}; }
 
   vtkRenderWindow* window_;
@@ -108,173 +260,6 @@ private:
   Still image_{ground_}, depth_{ground_};
   std::vector<std::unique_ptr<Label>> footer_;
 };
-
-LivePicture::Scene::Scene(vtkRenderWindow* window, std::shared_ptr<const Map> map) : window_(window) {
-  window_->SetNumberOfLayers(2);
-  ground_->SetBackground(1, 1, 1);
-  ground_->AddActor(decoration_.actor());
-  window_->AddRenderer(ground_);
-  window_->AddRenderer(cloud_.ground());
-  window_->AddRenderer(cloud_.overlay());
-  setMap(std::move(map));
-}
-
-void LivePicture::Scene::setMap(std::shared_ptr<const Map> map) {
-  map_ = std::move(map);
-  if (plan_) {
-    window_->RemoveRenderer(plan_->whole());
-    window_->RemoveRenderer(plan_->near());
-  }
-  plan_.reset();
-  chosen_model_.reset();
-  if (!map_) return;
-  plan_ = std::make_unique<LivePlan>(map_);
-  if (plan_->empty()) {
-    plan_.reset();
-    return;
-  }
-  window_->AddRenderer(plan_->whole());
-  window_->AddRenderer(plan_->near());
-}
-
-void LivePicture::Scene::place(vtkRenderer* renderer, const Box& box) {
-  renderer->SetViewport(box.left / width_, 1 - box.bottom() / height_, box.right() / width_,
-                        1 - box.top / height_);
-}
-
-void LivePicture::Scene::addFrame(const Box& box, double inset) {
-  const double l = box.left - 1 + inset, r = box.right() + 1 - inset, t = box.top - 1 + inset,
-               b = box.bottom() + 1 - inset;
-  decoration_.line({onGround(l, t), onGround(r, t), onGround(r, b), onGround(l, b)}, kFrame, true);
-}
-
-void LivePicture::Scene::caption(Label& label, const std::string& words, const Box& box) {
-  label.show(words, {box.left, box.top - kCaption / 2 - 1}, box.width, height_);
-}
-
-/** The state as a badge, why it is so, and the pose. */
-void LivePicture::Scene::showHeader(const LiveResult& result, std::size_t matched) {
-  const std::string state = result.state();
-  const double badge = textWidth(state, {22, true}) + 28, top = 8, bottom = 42;
-  decoration_.polygon({onGround(kMargin, top), onGround(kMargin + badge, top),
-                       onGround(kMargin + badge, bottom), onGround(kMargin, bottom)},
-                      stateColour(result));
-  const double line = (top + bottom) / 2;
-  state_.show(state, {kMargin + 14, line}, badge, height_);
-  const std::string number = "frame " + result.image.name;
-  const double number_width = textWidth(number, {15, false}) + kMargin;
-  frame_.show(number, {width_ - kMargin, line}, width_, height_, Across::right);
-  const double left = kMargin + badge + 14;
-  reason_.show(result.remark(), {left, line}, width_ - left - number_width - kMargin, height_);
-  pose_.setColour(result.pose() && !result.isLocalized() ? kUntold : kBlack);
-  pose_.show(poseText(result, map_.get(), plan_.get(), matched), {kMargin, 60}, width_ - 2 * kMargin,
-             height_);
-}
-
-void LivePicture::Scene::showPlan(const LiveResult& result, const Layout& layout) {
-  using Panel = LiveLooks::Panel;
-  place(plan_->whole(), layout.whole);
-  place(plan_->near(), layout.near);
-  plan_->near()->SetDraw(layout.near.width > 0);
-  plan_->show(result, {{layout.whole.width, layout.whole.height},
-                       {layout.near.width, layout.near.height},
-                       looks_[Panel::whole],
-                       looks_[Panel::near],
-                       chosen_model_});
-  addFrame(layout.whole);
-  caption(whole_caption_,
-          chosen_model_ ? modelText(*map_, *chosen_model_)
-                        : "map from above: " + counted(map_->models.size(), "local model"),
-          layout.whole);
-  if (layout.near.width <= 0) return near_caption_.hide();
-  addFrame(layout.near);
-  caption(
-      near_caption_,
-      fmt::format("{:.9g} m high{}", plan_->nearHeight(), result.pose() ? "; ellipse: 2 std, to scale" : ""),
-      layout.near);
-}
-
-/** A click is where it is: the segment that is there now. */
-std::optional<Eigen::Vector2d> LivePicture::Scene::chosenPixel() const {
-  if (!chosen_point_) return {};
-  const Box& box = looks_.box(LiveLooks::Panel::cloud);
-  return Eigen::Vector2d(box.left + chosen_point_->x() * box.width,
-                         height_ - box.top - chosen_point_->y() * box.height);
-}
-
-void LivePicture::Scene::choose(const Eigen::Vector2d& at) {
-  const auto panel = looks_.panelAt(at);
-  chosen_point_.reset();
-  if (!panel) return chosen_model_.reset();
-  const Box& box = looks_.box(*panel);
-  if (*panel == LiveLooks::Panel::cloud)
-    chosen_point_ = {(at.x() - box.left) / box.width, (at.y() - box.top) / box.height};
-  else if (plan_)
-    chosen_model_ = plan_->modelAt(*panel, {at.x(), height_ - at.y()});
-}
-
-void LivePicture::Scene::showCloud(const LiveResult& result, const LiveColours& colours,
-                                   const Layout& layout) {
-  place(cloud_.ground(), layout.cloud);
-  place(cloud_.overlay(), layout.cloud);
-  const auto chosen =
-      cloud_.show(result, colours, map_.get(), looks_[LiveLooks::Panel::cloud], chosenPixel());
-  addFrame(layout.cloud);
-  caption(cloud_caption_,
-          chosen ? segmentText(result.image.view, *chosen)
-                 : "cloud by segment; axes: x, y, normal; ellipses: 2 std of the normals, × 10" +
-                       std::string(result.match() ? "; thick: local model" : ""),
-          layout.cloud);
-}
-
-void LivePicture::Scene::showFooter(const std::vector<std::string>& footer, double top) {
-  for (std::size_t i = 0; i < std::max(footer.size(), footer_.size()); ++i) {
-    if (i == footer_.size()) footer_.push_back(std::make_unique<Label>(ground_, 15, kPale));
-    if (i < footer.size())
-      footer_[i]->show(footer[i], {kMargin, top + (static_cast<double>(i) + 0.4) * kFooterLine},
-                       width_ - 2 * kMargin, height_);
-    else
-      footer_[i]->hide();
-  }
-}
-
-void LivePicture::Scene::showImage(const LiveResult& result, const Layout& layout) {
-  const SeenImage& image = result.image;
-  if (!image.depth.valid()) {
-    image_.hide(), depth_.hide();
-    return;
-  }
-  const Box box = fitted(layout.image, image.depth.camera);
-  image_.show(overlay(image.depth, image.labels), box, height_);
-  caption(image_caption_, counted(image.view.segments.size(), "segment") + " in the depth image", box);
-  if (plan_) return;
-  const Box upper = fitted(layout.whole, image.depth.camera);
-  depth_.show(greyDepth(image.depth), upper, height_);
-  caption(whole_caption_, "depth image, darker = closer", upper);
-}
-
-void LivePicture::Scene::show(const LiveResult& result, const std::vector<std::string>& footer) {
-  if (result.mapped && result.mapped->map != map_) setMap(result.mapped->map);
-  const int* size = window_->GetSize();
-  width_ = size[0], height_ = size[1];
-  vtkCamera* camera = ground_->GetActiveCamera();
-  camera->ParallelProjectionOn();
-  camera->SetParallelScale(height_ / 2);
-  camera->SetPosition(width_ / 2, height_ / 2, 1);
-  camera->SetFocalPoint(width_ / 2, height_ / 2, 0);
-  camera->SetClippingRange(0.1, 10);
-
-  const Layout layout(width_, height_, footer.size(), plan_ != nullptr);
-  looks_.setBoxes(layout.cloud, plan_ ? layout.whole : Box(), plan_ ? layout.near : Box());
-  const LiveColours colours(result, map_.get());
-  showHeader(result, colours.matched);
-  showCloud(result, colours, layout);
-  if (plan_) showPlan(result, layout);
-  showImage(result, layout);
-  decoration_.show();
-  showFooter(footer, layout.footer_top);
-  window_->Render();
-}
 
 LivePicture::LivePicture(vtkRenderWindow* window, std::shared_ptr<const Map> map)
     : scene_(std::make_unique<Scene>(window, std::move(map))) {}
