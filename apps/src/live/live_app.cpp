@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/tools.h"
-#include "drawing/outputs.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "inputs/start_option.h"

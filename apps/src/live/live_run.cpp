@@ -5,7 +5,6 @@
 #include "cli/stop_signal.h"
 #include "cli/text.h"
 #include "drawing/offscreen_display.h"
-#include "drawing/outputs.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "inputs/start_option.h"
@@ -16,6 +15,7 @@
 #include "live/live_window.h"
 #include "live/remembered_pose.h"
 #include "outputs/pose_stream.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/error.h>

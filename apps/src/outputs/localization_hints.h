@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "batch/view_traits.h"
+#include "batch/bytes.h"
 #include "outputs/localization_report.h"
 
 #include <facetloc/features/local_model.h>

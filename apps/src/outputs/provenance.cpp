@@ -6,6 +6,7 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/png.h>
 
 #include <array>
 #include <cmath>
@@ -138,6 +139,21 @@ void Provenance::requireSame(const Provenance& now, const std::vector<std::strin
     throw IoError(folder,
                   "was begun with another map, other images or other parameters; leave out --resume or "
                   "use another folder");
+}
+
+void requireOtherFolder(const fs::path& results, const fs::path& images) {
+  std::error_code ignored;
+  if (fs::equivalent(images.empty() ? fs::path(".") : images, results, ignored))
+    throw UsageError(fmt::format("the results would come among the images in {}; use another output folder",
+                                 results.string()));
+}
+
+void requireNoneButPicture(const fs::path& path) {
+  constexpr int kPictureBits = 8;
+  if (!fs::exists(path)) return;
+  const auto size = pngSize(path);
+  if (!size || size->bits != kPictureBits)
+    throw UsageError(fmt::format("the picture would overwrite {}, which is not a picture", path.string()));
 }
 
 void writeInputs(const fs::path& folder, const std::vector<FrameFile>& frames) {

@@ -2,7 +2,7 @@
 #include "tools/drawn_map.h"
 
 #include "base/text.h"
-#include "drawing/outputs.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/trajectory.h>

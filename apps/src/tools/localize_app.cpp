@@ -8,7 +8,6 @@
 #include "cli/stop_signal.h"
 #include "cli/text.h"
 #include "cli/tools.h"
-#include "drawing/outputs.h"
 #include "inputs/depth_input.h"
 #include "inputs/gravity_option.h"
 #include "inputs/localization_options.h"

@@ -5,13 +5,13 @@
 #include "cli/tools.h"
 #include "drawing/map_page.h"
 #include "drawing/offscreen_display.h"
-#include "drawing/outputs.h"
 #include "drawing/pictures.h"
 #include "evaluation/answer_page.h"
 #include "evaluation/evaluation_report.h"
 #include "evaluation/failures.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
+#include "outputs/provenance.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

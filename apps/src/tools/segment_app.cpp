@@ -4,7 +4,6 @@
 #include "cli/tools.h"
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
-#include "drawing/outputs.h"
 #include "inputs/depth_input.h"
 #include "outputs/provenance.h"
 #include "tools/noise_table.h"
