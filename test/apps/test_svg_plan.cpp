@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing/svg_plan.h"
+#include "drawing/pictures.h"
 #include "example_scene.h"
 
 #include <facetloc/io/error.h>

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "cli/app.h"
-#include "cli/progress.h"
-#include "cli/stop_signal.h"
+#include "batch/batch.h"
 
 #include <facetloc/mapping/map_image.h>
 
@@ -24,8 +22,23 @@ public:
   }
 
 private:
-  void show(const MapProgress& progress);
-  void end();
+  void show(const MapProgress& progress) {
+    if (stage_ != progress.stage) {
+      end();
+      stage_ = progress.stage;
+      line_.emplace(console_, progress.total);
+      if (progress.stage != MapProgress::Stage::loops) stop_.emplace();
+    }
+    for (; shown_ < progress.done; ++shown_) line_->step();
+    if (progress.done >= progress.total) return end();
+    if (stop_ && stop_->raised()) throw Stopped(progress.done, progress.total);
+  }
+  void end() {
+    stage_.reset();
+    shown_ = 0;
+    line_.reset();
+    stop_.reset();
+  }
 
   const Console& console_;
   std::optional<MapProgress::Stage> stage_;

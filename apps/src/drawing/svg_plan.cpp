@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing/svg_plan.h"
-
 #include "drawing/floor_plan.h"
 #include "drawing/html_text.h"
 

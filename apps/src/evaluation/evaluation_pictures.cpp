@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_pictures.h"
 
-#include "drawing/svg_plan.h"
 #include "evaluation/answer_page.h"
 #include "evaluation/failures.h"
 #include "inputs/depth_input.h"

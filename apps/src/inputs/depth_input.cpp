@@ -2,7 +2,7 @@
 #include "inputs/depth_input.h"
 
 #include "cli/text.h"
-#include "outputs/localization_hints.h"
+#include "outputs/localization_report.h"
 #include "outputs/provenance.h"
 
 #include <facetloc/features/camera_presets.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "batch/bytes.h"
 #include "cli/command_line.h"
 
 #include <facetloc/features/local_model.h>
@@ -32,6 +33,14 @@ struct StateCounts {
 };
 /** \brief "235 images: 221 sure, 9 doubtful, 5 unknown". */
 std::string toString(const StateCounts& counts);
+
+/** \brief The median of values that are known; 0 without any. */
+double medianOfKnown(std::vector<double> values);
+
+/** \brief If hardly any answer is sure, things to check: sentences that begin with the likeliest cause. Else
+ * empty. \param views of the images, as far as they are known */
+std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views,
+                                      const Map& map);
 
 /** \brief The ranked poses as a table for people. */
 void printPoses(std::ostream& out, const std::vector<ResultRow>& rows);

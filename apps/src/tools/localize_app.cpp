@@ -13,7 +13,6 @@
 #include "inputs/localization_options.h"
 #include "inputs/odometry_file.h"
 #include "inputs/start_option.h"
-#include "outputs/localization_hints.h"
 #include "outputs/localization_report.h"
 #include "outputs/pose_stream.h"
 #include "outputs/provenance.h"
