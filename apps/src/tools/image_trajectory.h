@@ -23,6 +23,14 @@ bool canBeReadAgain(const DepthSequence& sequence);
  * kOk. */
 int reportUnread(const MapFindings& findings, const Console& console);
 
+/** \brief An odometry, in the axes of the camera, interpolated between its poses: lines of JSON as
+ * facetloc_live takes them (ROBOT.md), each with its stamp, or any file of poses, which are those of the
+ * camera, or of its robot if the mounting is known; or a recording of messages. Empty for an empty name, with
+ * a remark on how the poses were read. Throws IoError with file, line and cause. \param sequence whose images
+ * it moves */
+PosesByTime odometryByTime(const std::string& file, const DepthSequence& sequence,
+                           const std::optional<CameraMounting>& mounting, const Console& console);
+
 /** \brief Options and messages of the tools that find the trajectory of a camera from its images. */
 class ImageTrajectory {
 public:

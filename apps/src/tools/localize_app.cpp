@@ -11,11 +11,11 @@
 #include "inputs/depth_input.h"
 #include "inputs/gravity_option.h"
 #include "inputs/localization_options.h"
-#include "inputs/odometry_file.h"
 #include "inputs/start_option.h"
 #include "outputs/localization_report.h"
 #include "outputs/pose_stream.h"
 #include "outputs/provenance.h"
+#include "tools/image_trajectory.h"
 
 #include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
