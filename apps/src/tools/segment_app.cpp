@@ -15,6 +15,7 @@
 #include <facetloc/io/segment_file.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fmt/core.h>
@@ -113,9 +114,12 @@ private:
     const DepthSequence* sequence_ = nullptr;  // sequence of the last image
   };
 
-  std::vector<Output> outputs() const {
-    return {
-        {kSegmentEnding, true}, {kLabels, labels_}, {kOverlay, overlay_}, {kCloud, pcd_}, {kPolygons, ply_}};
+  std::array<Output, 5> outputs() const {
+    return {{{kSegmentEnding, true},
+             {kLabels, labels_},
+             {kOverlay, overlay_},
+             {kCloud, pcd_},
+             {kPolygons, ply_}}};
   }
 
   void addOptions(CommandLine& line) override {
@@ -167,7 +171,7 @@ private:
 
   bool done(const Image& image) const {
     const std::string base = (fs::path(folder_) / image.name).string();
-    const std::vector<Output> files = outputs();
+    const auto files = outputs();
     return std::all_of(files.begin(), files.end(), [&base](const Output& output) {
       return !output.is_written || fs::exists(base + output.ending);
     });
