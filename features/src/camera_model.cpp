@@ -2,7 +2,7 @@
 #include "base/pose_axes.h"
 
 #include <facetloc/features/camera_model.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/hole_grid.h>
+#include <facetloc/features/depth_image.h>
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #include "base/inverse_depth.h"
 #include "base/median.h"
 
-#include <facetloc/features/noise_over_range.h>
+#include <facetloc/features/image_noise.h>
 #include <facetloc/features/plane_fit.h>
 
 #include <Eigen/Dense>

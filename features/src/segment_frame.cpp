@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/depth_noise.h>
+#include <facetloc/features/camera_model.h>
 #include <facetloc/features/segment_frame.h>
 
 #include <algorithm>

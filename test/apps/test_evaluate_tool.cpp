@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/trajectory.h>
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include "outputs/localization_report.h"
 #include "tool_runner.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/error.h>
 
 namespace facetloc::test {

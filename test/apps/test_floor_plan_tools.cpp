@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tool_runner.h"
 
-#include <facetloc/features/map_surfaces.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/occupancy_grid_file.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 

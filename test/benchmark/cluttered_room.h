@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/simulation/simulated_camera.h>
 
 #include <cmath>

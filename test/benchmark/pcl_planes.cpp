@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_planes.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/segmentation/organized_multi_plane_segmentation.h>

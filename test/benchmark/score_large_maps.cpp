@@ -23,7 +23,7 @@
 #include "shortlist/shortlist.h"
 #include "simulated_floors.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/place_index.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <gtest/gtest.h>

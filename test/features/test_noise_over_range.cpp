@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/noise_over_range.h>
+#include <facetloc/features/image_noise.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>

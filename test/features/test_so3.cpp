@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/testing/numeric_jacobian.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/answer_state.h>
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ranking/place_ranking.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/testing/changed_views.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>

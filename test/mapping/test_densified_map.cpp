@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ranking/global_localization.h"
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/localization/sure_calibration.h>
 #include <facetloc/mapping/densified_map.h>
 #include <facetloc/mapping/map_making.h>

@@ -2,8 +2,8 @@
 #include "box_mesh.h"
 #include "ranking/global_localization.h"
 
-#include <facetloc/features/map_surfaces.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/map_metadata.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/map_session.h>
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/plan_outlines.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/mesh_surface.h>
 

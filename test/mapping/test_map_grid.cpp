@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ranking/global_localization.h"
 
-#include <facetloc/features/map_surfaces.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/map_metadata.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/model_map.h>
 #include <facetloc/segmentation/view_builder.h>

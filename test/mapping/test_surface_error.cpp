@@ -2,7 +2,6 @@
 #include "box_mesh.h"
 #include "ranking/global_localization.h"
 
-#include <facetloc/features/chi_square.h>
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>

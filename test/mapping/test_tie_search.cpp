@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/tie_search.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/synthetic_views.h>
 

@@ -2,7 +2,7 @@
 #include "pairs/pair_distance.h"
 #include "pairs/plane_measurement.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/convex_polygons.h>

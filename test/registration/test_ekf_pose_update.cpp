@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/ekf_pose_update.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>

@@ -2,7 +2,7 @@
 #include "motion/step_prior.h"
 #include "motion/view_placing.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 

@@ -2,7 +2,7 @@
 #include "pairs/view_registration.h"
 #include "ranking/global_localization.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/decimal_comma.h>
 #include <facetloc/testing/map_of_view.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/simulation/simulated_camera.h>
 
 #include <gtest/gtest.h>

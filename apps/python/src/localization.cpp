@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.h"
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/localization/place_index.h>

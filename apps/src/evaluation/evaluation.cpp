@@ -5,7 +5,7 @@
 #include "cli/text.h"
 
 #include <facetloc/features/map_parts.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/error.h>
 #include <facetloc/mapping/map_builder.h>
 

@@ -3,7 +3,7 @@
 
 #include "base/text.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <array>

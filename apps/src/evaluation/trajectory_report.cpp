@@ -5,7 +5,7 @@
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/atomic_file.h>
 
 #include <fmt/format.h>

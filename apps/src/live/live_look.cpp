@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_look.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <vtkCamera.h>
 

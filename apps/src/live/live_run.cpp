@@ -17,7 +17,7 @@
 #include "outputs/pose_stream.h"
 #include "outputs/provenance.h"
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/oni_recorder.h>

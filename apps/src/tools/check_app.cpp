@@ -10,8 +10,8 @@
 #include "tools/noise_table.h"
 
 #include <facetloc/features/camera_presets.h>
+#include <facetloc/features/image_noise.h>
 #include <facetloc/features/local_model.h>
-#include <facetloc/features/noise_over_range.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/mapping/map_making.h>

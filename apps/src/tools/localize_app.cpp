@@ -17,7 +17,7 @@
 #include "outputs/provenance.h"
 #include "tools/image_trajectory.h"
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>

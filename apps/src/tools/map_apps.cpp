@@ -7,9 +7,8 @@
 #include "outputs/map_completion.h"
 #include "outputs/provenance.h"
 
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
-#include <facetloc/features/rendered_views.h>
-#include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>

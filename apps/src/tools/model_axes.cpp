@@ -4,7 +4,7 @@
 #include "base/text.h"
 #include "cli/app.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <array>

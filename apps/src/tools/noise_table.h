@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/noise_over_range.h>
+#include <facetloc/features/image_noise.h>
 
 #include <ostream>
 #include <vector>

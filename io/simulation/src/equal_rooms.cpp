@@ -2,7 +2,7 @@
 #include "furniture.h"
 #include "scene_builder.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 #include "furniture.h"
 #include "furniture_parts.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 
 #include "scene_builder.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <array>
 #include <cmath>

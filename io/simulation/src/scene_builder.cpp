@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_builder.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include "random.h"
 #include "surface_errors.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/simulation/simulated_camera.h>
 
 #include <algorithm>

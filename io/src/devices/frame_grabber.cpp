@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "images/depth_file.h"
 
-#include <facetloc/features/hole_grid.h>
+#include <facetloc/features/depth_image.h>
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/frame_grabber.h>
 #include <facetloc/io/frame_source.h>

@@ -6,7 +6,7 @@
 #include "maps/map_rows.h"
 #include "maps/map_schema.h"
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>

@@ -3,8 +3,8 @@
 #include "bytes/files.h"
 #include "results/pose_columns.h"
 
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
-#include <facetloc/features/sure_threshold.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_graph.h>

@@ -4,8 +4,8 @@
 #include "maps/map_rows.h"
 #include "maps/map_schema.h"
 
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
-#include <facetloc/features/sure_threshold.h>
 
 #include <fmt/format.h>
 #include <set>

@@ -10,7 +10,7 @@
 #include "recordings/pose_table.h"
 #include "recordings/recording_layout.h"
 
-#include <facetloc/features/hole_grid.h>
+#include <facetloc/features/depth_image.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>

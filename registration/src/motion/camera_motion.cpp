@@ -4,7 +4,7 @@
 #include "poses/pose_fusion.h"
 #include "poses/pose_radius.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <cmath>

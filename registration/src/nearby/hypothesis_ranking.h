@@ -6,7 +6,7 @@
 #include "poses/pose_radius.h"
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/features/map_surfaces.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/registration_params.h>
 

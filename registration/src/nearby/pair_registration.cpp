@@ -4,7 +4,7 @@
 #include "pairs/mounting_check.h"
 #include "pairs/view_registration.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/registration/pair_registration.h>
 #include <facetloc/registration/pose_prior.h>
 

@@ -5,7 +5,7 @@
 #include "pairs/extent_measurement.h"
 #include "pairs/pair_distance.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <cmath>

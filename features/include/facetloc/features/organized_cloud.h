@@ -61,7 +61,7 @@ std::optional<std::size_t> pixelOf(const PointT& p, const Intrinsics& camera) {
 
 /** \brief The depth image of a PCL class's input, restricted to the indices if there are any. Its camera is
  * the given one; if nothing is set, the camera is recovered from the points. Of a whole cloud, a grid of
- * holes is filled (hole_grid.h): points without coordinates may have depth in the image.
+ * holes is filled (depth_image.h): points without coordinates may have depth in the image.
  *
  * A cloud that is not organized, as after a filter, is seen by the given camera from the origin of its
  * coordinates: each pixel has the depth of its nearest point (pixelOf()).

@@ -1,20 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/so3.h>
-
 #include <Eigen/Geometry>
 
+#include <stdexcept>
 #include <string>
+
+/** \file
+ * Rotations and poses, and all that is done with their covariances. The order is (rotation, translation), in
+ * radians and metres; perturbations are left and decoupled: R <- Exp(d phi) R, t <- t + d t (METHOD 1.3). */
 
 namespace facetloc {
 
+constexpr double kDegree = 3.14159265358979323846 / 180.0;  ///< [rad]
+
+/** \brief Cross-product matrix: skew(a) b = a x b. */
+Eigen::Matrix3d skew(const Eigen::Vector3d& a);
+
+/** \brief Rotation matrix of a rotation vector [rad]; exact to rounding, also at zero. */
+Eigen::Matrix3d expSO3(const Eigen::Vector3d& phi);
+
+/** \brief Rotation vector of a rotation matrix [rad], norm in [0, pi]; at pi the sign of the axis is
+ * arbitrary. */
+Eigen::Vector3d logSO3(const Eigen::Matrix3d& R);
+
+/** \brief Left Jacobian: Exp(phi + d) = Exp(J d) Exp(phi) to first order in d (METHOD 1.2). */
+Eigen::Matrix3d leftJacobianSO3(const Eigen::Vector3d& phi);
+
+/** \brief Angle of a rotation [rad] in [0, pi]; accurate near zero, where the trace alone is not. */
+double rotationAngle(const Eigen::Matrix3d& R);
+
+/** \brief The smallest rotation that turns one direction into another; any of them if they are opposite. */
+Eigen::Matrix3d rotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-/** \file
- * Poses, and all that is done with their covariances. The order is (rotation, translation), in radians and
- * metres; perturbations are left and decoupled: R <- Exp(d phi) R, t <- t + d t (METHOD 1.3). */
 
 /** \brief A pose T_a_b and the covariance of its left, decoupled perturbation (d phi, d t) in frame a. */
 struct PoseWithCovariance {
@@ -90,5 +110,23 @@ PrincipalStd principalStd(const Matrix6d& P);
  * a into those of the words. */
 std::string freeMotions(const PrincipalStd& known, double max_rotation, double max_translation,
                         const Eigen::Matrix3d& R = Eigen::Matrix3d::Identity());
+
+/** \brief The squared Mahalanobis distance that an error of n degrees of freedom does not exceed with this
+ * probability, to four digits or more; of a constant of another pair the compiler complains.
+ *
+ *     constexpr double kGate = chiSquareQuantile(3, 0.99);
+ *
+ * \throws std::invalid_argument for a pair that is not in the table */
+constexpr double chiSquareQuantile(int degrees_of_freedom, double probability) {
+  struct Quantile {
+    int degrees_of_freedom;
+    double probability, value;
+  };
+  constexpr Quantile kTable[] = {
+      {3, 0.95, 7.81}, {3, 0.99, 11.345}, {6, 0.95, 12.59}, {6, 0.99, 16.81}, {6, 0.999, 22.46}};
+  for (const Quantile& q : kTable)
+    if (q.degrees_of_freedom == degrees_of_freedom && q.probability == probability) return q.value;
+  throw std::invalid_argument("no quantile of chi-square is known for this probability");
+}
 
 }  // namespace facetloc

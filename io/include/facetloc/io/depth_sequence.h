@@ -81,7 +81,7 @@ struct RecordingHints {
  *
  * Images that are read are those of a pinhole camera: a lens (CameraFile::lens) and distances along rays
  * (CameraFile::depth_is) are taken out, clouds in other axes or in millimetres are turned and scaled, and
- * the grid of holes of depth that was aligned to a finer image is filled (hole_grid.h). */
+ * the grid of holes of depth that was aligned to a finer image is filled (depth_image.h). */
 class DepthSequence {
 public:
   /** \brief Lists the frames; reads no image. Throws IoError if there is nothing to read, or if nothing says

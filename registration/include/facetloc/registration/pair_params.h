@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/chi_square.h>
 #include <facetloc/features/params.h>
+#include <facetloc/features/pose.h>
 
 namespace facetloc {
 

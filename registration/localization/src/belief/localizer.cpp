@@ -6,7 +6,7 @@
 #include "poses/pose_radius.h"
 #include "ranking/global_localization.h"
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/segmentation/view_builder.h>
 

@@ -5,7 +5,7 @@
 #include "poses/pose_radius.h"
 #include "threads/in_parallel.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 
 #include <Eigen/Cholesky>
 

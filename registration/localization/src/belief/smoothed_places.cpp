@@ -4,7 +4,7 @@
 #include "poses/pose_fusion.h"
 #include "ranking/place_ranking.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 
 #include <Eigen/Cholesky>
 

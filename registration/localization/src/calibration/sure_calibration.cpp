@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/answer_state.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/localization/localizer_params.h>
 #include <facetloc/localization/sure_calibration.h>
 

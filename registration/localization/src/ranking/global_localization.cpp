@@ -7,7 +7,7 @@
 #include "shortlist/shortlist.h"
 #include "threads/in_parallel.h"
 
-#include <facetloc/features/map_surfaces.h>
+#include <facetloc/features/map_metadata.h>
 
 #include <Eigen/Cholesky>
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ranking/place_ranking.h"
 
-#include <facetloc/features/map_surfaces.h>
-#include <facetloc/features/rendered_views.h>
+#include <facetloc/features/map_metadata.h>
 
 #include <algorithm>
 #include <cmath>

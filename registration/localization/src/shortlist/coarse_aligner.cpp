@@ -6,7 +6,7 @@
 #include "shortlist/place_reach.h"
 #include "shortlist/wall_pairs.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <Eigen/LU>
 

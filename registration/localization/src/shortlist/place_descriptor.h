@@ -2,7 +2,7 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/registration/pose_prior.h>
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "base/lanes.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "shortlist/place_reach.h"
 #include "shortlist/wall_pairs.h"
 
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 
 #include "poses/pose_radius.h"
 
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/pose.h>
-#include <facetloc/features/rendered_views.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "graph/pose_graph.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>

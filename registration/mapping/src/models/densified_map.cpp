@@ -3,8 +3,8 @@
 #include "sessions/map_update.h"
 #include "sessions/parallel_stage.h"
 
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
-#include <facetloc/features/sure_threshold.h>
 #include <facetloc/mapping/densified_map.h>
 #include <facetloc/mapping/map_builder.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/map_parts.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/floor_plan.h>
 
 #include <algorithm>

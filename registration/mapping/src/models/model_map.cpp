@@ -2,7 +2,7 @@
 #include "models/viewpoints.h"
 #include "sessions/image_run.h"
 
-#include <facetloc/features/map_surfaces.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/mapping/model_map.h>
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/session_place.h"
 
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
-#include <facetloc/features/map_surfaces.h>
-#include <facetloc/features/rendered_views.h>
-#include <facetloc/features/sure_threshold.h>
 #include <facetloc/mapping/map_session.h>
 
 #include <algorithm>

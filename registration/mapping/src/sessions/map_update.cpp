@@ -7,8 +7,7 @@
 #include "sessions/free_space_violations.h"
 #include "threads/in_parallel.h"
 
-#include <facetloc/features/map_surfaces.h>
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 #include "ranking/global_localization.h"
 #include "sessions/parallel_stage.h"
 
-#include <facetloc/features/rendered_views.h>
-#include <facetloc/features/so3.h>
+#include <facetloc/features/map_metadata.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/map_session.h>
 
 #include <vector>

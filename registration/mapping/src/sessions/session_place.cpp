@@ -8,7 +8,7 @@
 #include "threads/in_parallel.h"
 #include "trajectory/trajectory_links.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/map_session.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "motion/view_placing.h"
 
-#include <facetloc/features/chi_square.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 
 #include <map>

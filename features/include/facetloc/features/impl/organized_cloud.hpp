@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/hole_grid.h>
+#include <facetloc/features/depth_image.h>
 #include <facetloc/features/organized_cloud.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 
 #include <cstddef>
 #include <optional>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/params.h>
-#include <facetloc/features/rendered_views.h>
 #include <facetloc/mapping/map_image.h>
 #include <facetloc/segmentation/view_builder.h>
 

@@ -5,8 +5,42 @@
 
 #include <optional>
 #include <string>
+#include <vector>
+
+/** \file
+ * Meta data of a map: its surfaces, its rendered local models, and the probability of sure answers. */
 
 namespace facetloc {
+
+/** \brief Key of a map's meta data: "fixed" or "incomplete", as MapSurfaces; without it, surfaces were seen.
+ */
+constexpr const char* kSurfacesKey = "surfaces";
+
+/** \brief The surfaces that a map holds (localization/METHOD 11.7). */
+enum class MapSurfaces {
+  seen,        ///< as a camera or scanner saw them: all surfaces of a day, some of which people move
+  fixed,       ///< as drawn: the surfaces that stay; people put other things before them
+  incomplete,  ///< a part of the surfaces that stay, as the walls of a floor plan; furniture stands before
+               ///< them
+};
+
+/** \brief The kind of surfaces in a map. */
+MapSurfaces surfacesOf(const Map& map);
+/** \brief Says so in the meta data of a map. */
+void setSurfaces(MapSurfaces surfaces, Map& map);
+
+/** \brief Whether a map lacks surfaces: objects in front of its surfaces, as furniture before a wall,
+ * do not contradict it; objects seen through them do (localization/METHOD 11.7). */
+inline bool lacksSurfaces(const Map& map) { return surfacesOf(map) == MapSurfaces::incomplete; }
+/** \brief Says so in the meta data of a map. */
+inline void setLacksSurfaces(Map& map) { setSurfaces(MapSurfaces::incomplete, map); }
+
+/** \brief Key of a map's meta data: the names of the local models that were rendered from the depth pictures
+ * of others (mapping's densify()), one a line. Names that no local model has mean nothing. */
+constexpr const char* kRenderedKey = "rendered views";
+
+/** \brief Flags the local models that were rendered: these views show nothing that others have not shown. */
+std::vector<char> renderedViews(const Map& map);
 
 /** \brief Key of a map's meta data: its SureThreshold, as toText() writes it. */
 constexpr const char* kSureKey = "sure";

@@ -2,15 +2,26 @@
 #include "base/text.h"
 
 #include <facetloc/features/answer_state.h>
-#include <facetloc/features/sure_threshold.h>
+#include <facetloc/features/map_metadata.h>
 
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 
 namespace facetloc {
 namespace {
+
+constexpr const char* kFixed = "fixed";
+constexpr const char* kIncomplete = "incomplete";
+
+/** Null for a map without this key. */
+const std::string* metaOf(const Map& map, const char* key) {
+  const auto found = map.meta.find(key);
+  return found == map.meta.end() ? nullptr : &found->second;
+}
 
 constexpr std::array<const char*, 6> kNames = {"min_probability", "alpha", "confidence",
                                                "images",          "sure",  "wrong"};
@@ -38,6 +49,33 @@ void requirePossible(const SureThreshold& t) {
 
 }  // namespace
 
+MapSurfaces surfacesOf(const Map& map) {
+  const std::string* kind = metaOf(map, kSurfacesKey);
+  return !kind                  ? MapSurfaces::seen
+         : *kind == kFixed      ? MapSurfaces::fixed
+         : *kind == kIncomplete ? MapSurfaces::incomplete
+                                : MapSurfaces::seen;
+}
+
+void setSurfaces(MapSurfaces surfaces, Map& map) {
+  if (surfaces == MapSurfaces::seen)
+    map.meta.erase(kSurfacesKey);
+  else
+    map.meta[kSurfacesKey] = surfaces == MapSurfaces::fixed ? kFixed : kIncomplete;
+}
+
+std::vector<char> renderedViews(const Map& map) {
+  std::set<std::string> names;
+  if (const std::string* all = metaOf(map, kRenderedKey)) {
+    std::istringstream lines(*all);
+    for (std::string name; std::getline(lines, name);) names.insert(name);
+  }
+  std::vector<char> rendered;
+  rendered.reserve(map.models.size());
+  for (const LocalModel& model : map.models) rendered.push_back(names.count(model.name) > 0);
+  return rendered;
+}
+
 std::string SureThreshold::toString() const {
   return fmt::format(
       "p >= {}: at most {} % of the sure answers are wrong, with {} % confidence; {} of {} images of {} are "
@@ -56,9 +94,9 @@ std::string toText(const SureThreshold& t) {
 }
 
 std::optional<SureThreshold> sureThresholdOf(const Map& map) {
-  const auto found = map.meta.find(kSureKey);
-  if (found == map.meta.end()) return {};
-  const std::string_view all = found->second;
+  const std::string* line = metaOf(map, kSureKey);
+  if (!line) return {};
+  const std::string_view all = *line;
   const auto end = all.find(kFrom);
   const auto words = text::words(all.substr(0, end));
   if (end == std::string_view::npos || words.size() != kNames.size()) fail("is malformed");
