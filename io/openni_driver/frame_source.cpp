@@ -6,7 +6,7 @@
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
-#include <facetloc/simulation/simulated_run.h>
+#include <facetloc/simulation/simulated_drive.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
-#include <facetloc/simulation/simulated_run.h>
+#include <facetloc/simulation/simulated_drive.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 namespace facetloc::figures {

@@ -4,7 +4,6 @@
 
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/mesh_surface.h>
-#include <facetloc/simulation/simulated_model.h>
 #include <facetloc/simulation/simulated_place.h>
 
 #include <gtest/gtest.h>

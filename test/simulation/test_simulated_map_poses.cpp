@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/pose.h>
-#include <facetloc/simulation/simulated_map_poses.h>
+#include <facetloc/simulation/simulated_sensors.h>
 
 #include <gtest/gtest.h>
 

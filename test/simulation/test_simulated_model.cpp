@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>
-#include <facetloc/simulation/simulated_model.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <gmock/gmock.h>
 #include <pcl/conversions.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/pose.h>
 #include <facetloc/simulation/simulated_drive.h>
-#include <facetloc/simulation/simulated_odometry.h>
+#include <facetloc/simulation/simulated_sensors.h>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/simulation/simulated_camera.h>
-#include <facetloc/simulation/simulated_run.h>
+#include <facetloc/simulation/simulated_drive.h>
 
 #include <algorithm>
 #include <mutex>

@@ -18,12 +18,8 @@
 #include <facetloc/io/trajectory.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>
-#include <facetloc/simulation/simulated_gravity.h>
-#include <facetloc/simulation/simulated_map_poses.h>
-#include <facetloc/simulation/simulated_model.h>
-#include <facetloc/simulation/simulated_odometry.h>
 #include <facetloc/simulation/simulated_place.h>
-#include <facetloc/simulation/simulated_run.h>
+#include <facetloc/simulation/simulated_sensors.h>
 
 #include <algorithm>
 #include <cmath>

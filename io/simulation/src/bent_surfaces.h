@@ -3,7 +3,7 @@
 
 #include "waves.h"
 
-#include <facetloc/simulation/simulated_scene.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <facetloc/features/camera_model.h>
-#include <facetloc/simulation/simulated_scene.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <Eigen/Geometry>
 

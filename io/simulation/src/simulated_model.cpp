@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/pose.h>
-#include <facetloc/simulation/simulated_model.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>

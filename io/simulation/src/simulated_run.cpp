@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/simulation/simulated_run.h>
+#include <facetloc/simulation/simulated_drive.h>
 
 #include <cmath>
 #include <utility>

@@ -2,7 +2,7 @@
 #include "random.h"
 
 #include <facetloc/features/pose.h>
-#include <facetloc/simulation/simulated_scene.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/params.h>
-#include <facetloc/simulation/simulated_scene.h>
+#include <facetloc/simulation/simulated_place.h>
 
 #include <cstdint>
 #include <string_view>

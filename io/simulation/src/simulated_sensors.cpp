@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "random.h"
+#include "waves.h"
 
 #include <facetloc/features/pose.h>
-#include <facetloc/simulation/simulated_odometry.h>
+#include <facetloc/simulation/simulated_sensors.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace facetloc {
 namespace {
 
-constexpr std::uint64_t kErrors = 1;  // a purpose of its own: the seed may be the drive's
+// Purposes of the seed, which may be the drive's.
+constexpr std::uint64_t kOdometry = 1, kGravity = 2, kDrift = 1;
 
 /** A place on the floor plan and the heading there. */
 Eigen::Isometry2d onFloor(const Eigen::Isometry3d& T_w_b) {
@@ -32,7 +35,7 @@ Eigen::Isometry3d inSpace(const Eigen::Isometry2d& T) {
 std::vector<Eigen::Isometry3d> simulateOdometry(const std::vector<Eigen::Isometry3d>& T_w_b,
                                                 const WheelOdometryParams& params, const RobotParams& robot,
                                                 std::uint64_t seed) {
-  Random random(derivedSeed(seed, kErrors));
+  Random random(derivedSeed(seed, kOdometry));
   const double scale = 1 + params.scale_std * random.normal();
   std::vector<Eigen::Isometry3d> poses;
   Eigen::Isometry2d T_o_b = Eigen::Isometry2d::Identity();
@@ -49,6 +52,43 @@ std::vector<Eigen::Isometry3d> simulateOdometry(const std::vector<Eigen::Isometr
                        Eigen::Rotation2Dd(turn + turn_error));
     }
     poses.push_back(inSpace(T_o_b));
+  }
+  return poses;
+}
+
+std::vector<Gravity> simulateGravity(const std::vector<Eigen::Isometry3d>& T_w_c, double std,
+                                     std::uint64_t seed) {
+  constexpr double kLeastStd = 0.001 * kDegree;
+  Random random(derivedSeed(seed, kGravity));
+  std::vector<Gravity> found;
+  for (const Eigen::Isometry3d& T : T_w_c) {
+    const Eigen::Vector3d error(std * random.normal(), std * random.normal(), 0);
+    const Eigen::Vector3d down = T.linear().transpose() * (expSO3(error) * -Eigen::Vector3d::UnitZ());
+    found.push_back(gravityAlong(down, std::max(kLeastStd, std)));
+  }
+  return found;
+}
+
+std::vector<Eigen::Isometry3d> simulateMapPoses(const std::vector<Eigen::Isometry3d>& T_w_c,
+                                                const MapPoseErrors& errors, std::uint64_t seed) {
+  constexpr double kRadian = 1;   // weight of rotation, as path length of the camera [m]
+  constexpr double kLongest = 3;  // wavelength, in terms of the shortest
+  errors.validate();
+  std::vector<Waves> of_axes;
+  for (std::uint64_t axis = 0; axis < 6; ++axis)
+    of_axes.emplace_back(errors.length, kLongest * errors.length, Random(derivedSeed(seed, kDrift, axis)));
+  std::vector<Eigen::Isometry3d> poses;
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < T_w_c.size(); ++i) {
+    if (i > 0) {
+      const Eigen::Isometry3d step = T_w_c[i - 1].inverse() * T_w_c[i];
+      way.x() += step.translation().norm() + kRadian * rotationAngle(step.linear());
+    }
+    Vector6d d;
+    for (int axis = 0; axis < 6; ++axis)
+      d[axis] =
+          (axis < 3 ? errors.rotation_std_deg * kDegree : errors.translation_std) * of_axes[axis].at(way);
+    poses.push_back(perturbed(T_w_c[i], d));
   }
   return poses;
 }
