@@ -5,7 +5,7 @@
 #include "triangle_rows.h"
 
 #include <facetloc/features/plane_fit.h>
-#include <facetloc/segmentation/segmentation_params.h>
+#include <facetloc/segmentation/plane_segmenter.h>
 
 #include <array>
 #include <cstdint>

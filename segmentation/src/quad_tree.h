@@ -3,7 +3,7 @@
 
 #include "cell_moments.h"
 
-#include <facetloc/segmentation/segmentation_params.h>
+#include <facetloc/segmentation/plane_segmenter.h>
 
 #include <array>
 #include <cstdint>

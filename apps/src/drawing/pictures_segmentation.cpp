@@ -6,7 +6,7 @@
 #include "drawing/plan_view.h"
 #include "drawing/segment_scene.h"
 
-#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/registration_params.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>

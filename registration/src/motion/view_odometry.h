@@ -3,7 +3,7 @@
 
 #include "nearby/view_alignment.h"
 
-#include <facetloc/registration/motion_params.h>
+#include <facetloc/registration/registration_params.h>
 
 #include <deque>
 #include <optional>

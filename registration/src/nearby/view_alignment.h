@@ -6,7 +6,7 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/registration/hypothesis.h>
-#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/registration_params.h>
 
 #include <memory>
 #include <vector>

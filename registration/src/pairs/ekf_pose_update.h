@@ -3,7 +3,7 @@
 
 #include "pairs/plane_measurement.h"
 
-#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/registration_params.h>
 
 namespace facetloc::internal {
 

@@ -6,7 +6,7 @@
 
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/observability.h>
-#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/registration_params.h>
 
 #include <vector>
 

@@ -4,7 +4,7 @@
 #include <facetloc/features/pose.h>
 #include <facetloc/features/segment.h>
 #include <facetloc/registration/hypothesis.h>
-#include <facetloc/registration/pair_params.h>
+#include <facetloc/registration/registration_params.h>
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/answer_state.h>
 #include <facetloc/features/pose.h>
-#include <facetloc/localization/localizer_params.h>
+#include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/sure_calibration.h>
 
 #include <boost/math/special_functions/beta.hpp>

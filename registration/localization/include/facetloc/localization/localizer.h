@@ -3,7 +3,6 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/localization/localization_params.h>
-#include <facetloc/localization/localizer_params.h>
 #include <facetloc/registration/hypothesis.h>
 
 #include <functional>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/localization/shortlist_params.h>
+#include <facetloc/localization/localization_params.h>
 #include <facetloc/registration/pose_prior.h>
 
 #include <functional>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <facetloc/features/local_model.h>
-#include <facetloc/registration/motion_params.h>
 #include <facetloc/registration/pose_prior.h>
+#include <facetloc/registration/registration_params.h>
 
 #include <functional>
 #include <memory>
