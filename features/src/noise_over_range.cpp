@@ -71,12 +71,7 @@ private:
       for (int u = 0; u < size_; ++u) {
         const std::size_t i = static_cast<std::size_t>(v) * size_ + u;
         if (!has(i) || !(std::abs(residual_[i]) <= limit)) continue;
-        const double d = inverse_[i];
-        PlaneMoments pixel;
-        pixel.n = 1, pixel.u = u, pixel.v = v, pixel.d = d;
-        pixel.uu = double(u) * u, pixel.uv = double(u) * v, pixel.vv = double(v) * v;
-        pixel.ud = u * d, pixel.vd = v * d, pixel.dd = d * d;
-        moments += pixel;
+        moments.add(u, v, inverse_[i]);
       }
     const PixelPlane plane = moments.fit().plane;
     mean_ = moments.d / moments.n;

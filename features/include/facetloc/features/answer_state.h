@@ -28,15 +28,8 @@ constexpr const char* kNotInMap = "the map more likely lacks this place than hol
 
 /** \brief "sure", "doubtful", "unknown". */
 constexpr const char* toString(AnswerState state) {
-  switch (state) {
-  case AnswerState::sure:
-    return "sure";
-  case AnswerState::doubtful:
-    return "doubtful";
-  case AnswerState::unknown:
-    break;
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"sure", "doubtful", "unknown"};
+  return kNames[static_cast<int>(state)];
 }
 
 /** \brief State of a moving camera in its map, for live programs. */
@@ -50,19 +43,8 @@ enum class TrackingState {
 
 /** \brief "searching", "localized", "tracking", "cannot tell", "lost". */
 constexpr const char* stateName(TrackingState state) {
-  switch (state) {
-  case TrackingState::searching:
-    return "searching";
-  case TrackingState::localized:
-    return "localized";
-  case TrackingState::tracking:
-    return "tracking";
-  case TrackingState::degenerate:
-    return "cannot tell";
-  case TrackingState::lost:
-    break;
-  }
-  return "lost";
+  constexpr const char* kNames[] = {"searching", "localized", "tracking", "cannot tell", "lost"};
+  return kNames[static_cast<int>(state)];
 }
 
 /** \brief The state of that name; nothing for another word. */

@@ -32,8 +32,6 @@ void setSurfaces(MapSurfaces surfaces, Map& map);
 /** \brief Whether a map lacks surfaces: objects in front of its surfaces, as furniture before a wall,
  * do not contradict it; objects seen through them do (localization/METHOD 11.7). */
 inline bool lacksSurfaces(const Map& map) { return surfacesOf(map) == MapSurfaces::incomplete; }
-/** \brief Says so in the meta data of a map. */
-inline void setLacksSurfaces(Map& map) { setSurfaces(MapSurfaces::incomplete, map); }
 
 /** \brief Key of a map's meta data: the names of the local models that were rendered from the depth pictures
  * of others (mapping's densify()), one a line. Names that no local model has mean nothing. */
