@@ -51,7 +51,7 @@ declare -A rooms=(
 # The internal interface of registration, and of localization: the private headers that the modules above them include.
 declare -A interface=(
   [localization]="depth/depth_consistency.h depth/moved_pixels.h motion/camera_motion.h nearby/hypothesis_ranking.h
-    nearby/nearby_models.h nearby/view_alignment.h pairs/consensus.h pairs/mounting_check.h pairs/query.h pairs/view_registration.h"
+    nearby/nearby_models.h nearby/view_alignment.h pairs/consensus.h pairs/mounting_check.h pairs/view_registration.h"
   [mapping]="depth/depth_consistency.h depth/depth_difference.h motion/step_prior.h motion/view_odometry.h motion/view_placing.h
     nearby/view_alignment.h ranking/global_localization.h shortlist/plane_triplet_matcher.h"
 )

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "opened_map.h"
-#include "pairs/query.h"
+#include "pairs/consensus.h"
 #include "shortlist/shortlist.h"
 
 #include <facetloc/localization/place_index.h>

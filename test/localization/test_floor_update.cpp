@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "belief/floor_update.h"
+#include "belief/map_surroundings.h"
 
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/pose_matchers.h>

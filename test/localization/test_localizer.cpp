@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/place_belief.h"
-#include "belief/smoothed_places.h"
 #include "opened_map.h"
 #include "ranking/global_localization.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/prescore.h"
+#include "shortlist/coarse_aligner.h"
 
 #include <facetloc/testing/synthetic_views.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "belief/repeated_looks.h"
+#include "belief/place_following.h"
 
 #include <facetloc/testing/random_segments.h>
 

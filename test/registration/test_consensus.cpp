@@ -2,7 +2,6 @@
 #include "pairs/consensus.h"
 #include "pairs/pair_distance.h"
 #include "pairs/plane_measurement.h"
-#include "pairs/query.h"
 
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pairs/extent_measurement.h"
+#include "pairs/plane_measurement.h"
 
 #include <gtest/gtest.h>
 

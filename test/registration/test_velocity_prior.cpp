@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motion/step_prior.h"
-#include "motion/velocity_prior.h"
 
 #include <facetloc/testing/pose_matchers.h>
 

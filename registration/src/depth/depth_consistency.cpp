@@ -18,43 +18,17 @@ constexpr auto kNearest = static_cast<float>(DepthDifference::kNearest);
 constexpr float kLn2 = 0.69314718f;
 constexpr float kQuantum = static_cast<float>(DepthPicture::kQuantum);
 
-}  // namespace
-
-DepthAgreement DepthComparison::compare(const DepthPicture& a, const DepthPicture& b,
-                                        const Eigen::Isometry3d& T_b_a, int columns) const {
+// The pixels on a grid, row by row.
+template <void (DepthComparator::*kAddRow)(int, int, DepthAgreement&) const>
+DepthAgreement sumOf(const DepthComparison& comparison, const DepthPicture& a, const DepthPicture& b,
+                     const Eigen::Isometry3d& T_b_a, int columns) {
   DepthAgreement sum;
   if (a.empty() || b.empty()) return sum;
-  const DepthComparator judge(*this, a, b, T_b_a);
+  const DepthComparator judge(comparison, a, b, T_b_a);
   const int step = gridStep(a, columns);
-  for (int v = step / 2; v < a.camera.height; v += step) judge.add(v, step, sum);
+  for (int v = step / 2; v < a.camera.height; v += step) (judge.*kAddRow)(v, step, sum);
   return sum;
 }
-
-DepthAgreement DepthComparison::compareBoth(const DepthPicture& a, const DepthPicture& b,
-                                            const Eigen::Isometry3d& T_b_a, int columns) const {
-  DepthAgreement sum = compare(a, b, T_b_a, columns);
-  sum += compare(b, a, T_b_a.inverse(), columns);
-  return sum;
-}
-
-DepthAgreement DepthComparison::count(const DepthPicture& a, const DepthPicture& b,
-                                      const Eigen::Isometry3d& T_b_a, int columns) const {
-  DepthAgreement sum;
-  if (a.empty() || b.empty()) return sum;
-  const DepthComparator judge(*this, a, b, T_b_a);
-  const int step = gridStep(a, columns);
-  for (int v = step / 2; v < a.camera.height; v += step) judge.count(v, step, sum);
-  return sum;
-}
-
-DepthAgreement DepthComparison::countBoth(const DepthPicture& a, const DepthPicture& b,
-                                          const Eigen::Isometry3d& T_b_a, int columns) const {
-  DepthAgreement sum = count(a, b, T_b_a, columns);
-  sum += count(b, a, T_b_a.inverse(), columns);
-  return sum;
-}
-
-namespace {
 
 /** Eight pixels compared with another picture. */
 struct Judged {
@@ -170,6 +144,28 @@ FACETLOC_MULTIVERSION void addPixels(const DepthComparator::Geometry& g, const s
 }
 
 }  // namespace
+
+DepthAgreement DepthComparison::compare(const DepthPicture& a, const DepthPicture& b,
+                                        const Eigen::Isometry3d& T_b_a, int columns) const {
+  return sumOf<&DepthComparator::add>(*this, a, b, T_b_a, columns);
+}
+
+DepthAgreement DepthComparison::compareBoth(const DepthPicture& a, const DepthPicture& b,
+                                            const Eigen::Isometry3d& T_b_a, int columns) const {
+  DepthAgreement sum = compare(a, b, T_b_a, columns);
+  return sum += compare(b, a, T_b_a.inverse(), columns);
+}
+
+DepthAgreement DepthComparison::count(const DepthPicture& a, const DepthPicture& b,
+                                      const Eigen::Isometry3d& T_b_a, int columns) const {
+  return sumOf<&DepthComparator::count>(*this, a, b, T_b_a, columns);
+}
+
+DepthAgreement DepthComparison::countBoth(const DepthPicture& a, const DepthPicture& b,
+                                          const Eigen::Isometry3d& T_b_a, int columns) const {
+  DepthAgreement sum = count(a, b, T_b_a, columns);
+  return sum += count(b, a, T_b_a.inverse(), columns);
+}
 
 DepthComparator::DepthComparator(const DepthComparison& comparison, const DepthPicture& a,
                                  const DepthPicture& b, const Eigen::Isometry3d& T_b_a)

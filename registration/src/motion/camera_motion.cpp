@@ -2,7 +2,6 @@
 #include "motion/camera_motion.h"
 
 #include "poses/pose_fusion.h"
-#include "poses/pose_radius.h"
 
 #include <facetloc/features/pose.h>
 
@@ -58,14 +57,7 @@ void weigh(const PoseWithCovariance& given, std::vector<MotionMode>& modes) {
 }  // namespace
 
 CameraMotion::CameraMotion(const ViewOdometryParams& params)
-    : odometry_(
-          params,
-          [] {
-            ViewAlignmentParams alignment = alignmentWithCovariance();
-            alignment.as_shown = true;
-            return alignment;
-          }(),
-          DepthComparison(DepthCalibration{})) {}
+    : odometry_(params, alignmentWithCovariance(true), DepthComparison(DepthCalibration{})) {}
 
 void CameraMotion::reset() {
   odometry_.reset();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "motion/velocity_prior.h"
+#include "motion/step_prior.h"
 #include "motion/view_odometry.h"
 #include "motion/view_placing.h"
 

@@ -13,6 +13,9 @@ constexpr double kSpeed = 0.7, kTurnRateDeg = 40;  // speeds of a walk [m/s, deg
 constexpr double kShortest = 0.2, kLongest = 3;    // times that a motion is thought to take [s]
 constexpr int kSideways = 4;                       // among the motions of a robot base
 
+constexpr double kLongestKept = 3;  // time after which a velocity says nothing of the next one [s]
+constexpr double kRestless = 1.5;   // sum of |v|^2 of three motions that keep nothing [m^2/s^2]
+
 }  // namespace
 
 Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slips) {
@@ -37,6 +40,24 @@ SidewaysShift sidewaysShift(const PoseWithCovariance& T_before_after, const Came
   const Vector6d of_base = cameraMotion(mounting).inverse().row(kSideways).transpose();
   return {of_base.dot(perturbation(Eigen::Isometry3d::Identity(), T_before_after.T)),
           of_base.dot(T_before_after.P * of_base)};
+}
+
+void VelocityPrior::add(const Eigen::Isometry3d& T_a_b, double dt) {
+  if (!(dt > 0 && dt < kLongestKept)) return interrupt();
+  const Eigen::Vector3d of_a = T_a_b.translation() / dt;
+  if (velocity_) {
+    product_ += of_a.dot(*velocity_);
+    square_ += velocity_->squaredNorm();
+  }
+  velocity_ = T_a_b.linear().transpose() * of_a;
+}
+
+double VelocityPrior::keptShare() const { return std::clamp(product_ / (square_ + kRestless), 0.0, 1.0); }
+
+PoseWithCovariance VelocityPrior::next(double dt, const std::optional<CameraMounting>& mounting) const {
+  PoseWithCovariance prior{Eigen::Isometry3d::Identity(), motionPrior(dt, mounting)};
+  if (velocity_ && dt < kLongestKept) prior.T.translation() = keptShare() * dt * *velocity_;
+  return prior;
 }
 
 }  // namespace facetloc::internal

@@ -4,6 +4,8 @@
 #include <facetloc/features/camera_model.h>
 #include <facetloc/features/pose.h>
 
+#include <Eigen/Core>
+
 #include <optional>
 
 namespace facetloc::internal {
@@ -25,5 +27,24 @@ SidewaysShift sidewaysShift(const PoseWithCovariance& T_before_after, const Came
 
 /** \brief Standard deviation of how far a robot that does not slip gets sideways from image to image [m]. */
 constexpr double kSidewaysStd = 0.05;
+
+/** \brief Prior of the next motion of a camera, about the share w of its latest velocity that it has been
+ * seen to keep from motion to motion (METHOD 16.8): least squares of v_t = w v_(t-1) over its own certain
+ * motions, beside a few of a camera that starts and stops at will. */
+class VelocityPrior {
+public:
+  /** \brief A motion T_a_b that took dt [s] and is certain. */
+  void add(const Eigen::Isometry3d& T_a_b, double dt);
+  /** \brief The camera was not watched: its velocity is unknown, its habits are not. */
+  void interrupt() { velocity_.reset(); }
+  /** \brief T_a_b over the next dt [s]. */
+  PoseWithCovariance next(double dt, const std::optional<CameraMounting>& mounting) const;
+  /** \brief w, from 0 to 1. */
+  double keptShare() const;
+
+private:
+  std::optional<Eigen::Vector3d> velocity_;  // camera axes now [m/s]
+  double product_ = 0, square_ = 0;          // sums of v_t . v_(t-1) and |v_(t-1)|^2
+};
 
 }  // namespace facetloc::internal

@@ -3,7 +3,7 @@
 
 #include "depth/depth_fit.h"
 #include "pairs/joint_refinement.h"
-#include "poses/pose_radius.h"
+#include "poses/pose_fusion.h"
 
 #include <facetloc/registration/pose_prior.h>
 
@@ -19,7 +19,6 @@ namespace facetloc::internal {
 namespace {
 
 constexpr std::size_t kMostFound = 4;  // places of a search that are refined
-constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
 constexpr int kDenseIterations = 10;
 constexpr double kMostDoubt =
     11;  // that a prior can raise: beyond its 99.9 % ellipsoid it may be wrong [nats]
@@ -74,12 +73,8 @@ public:
         cost_(cost),
         fit_(view.depth, {{&other.depth, Eigen::Isometry3d::Identity()}}, comparison) {
     surroundings_.add(0, unowned(other), Eigen::Isometry3d::Identity());
-    Vector6d loose;
-    loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
-    about_start_ = loose.cwiseAbs2().asDiagonal();
     prior_factor_.compute(prior.P);
   }
-  const Matrix6d& aboutStart() const { return about_start_; }
 
   /** The pose with its pixels compared; without information. */
   std::optional<PlacedView> at(const Eigen::Isometry3d& T, int columns = kFineColumns) const {
@@ -112,10 +107,10 @@ public:
   std::optional<PlacedView> from(const Eigen::Isometry3d& start, const Matrix6d& about) const {
     PoseWithCovariance T{start, about};
     T.T = alignView(view_, surroundings_, T, alignment_).T_w_c.T;
-    T = alignView(view_, surroundings_, {T.T, about_start_}, alignment_).T_w_c;  // with the pairs of its end
+    T = alignView(view_, surroundings_, {T.T, aboutStart()}, alignment_).T_w_c;  // with the pairs of its end
     auto placed = at(T.T);
     if (!placed) return placed;
-    placed->information = added(T.P, about_start_);
+    placed->information = added(T.P, aboutStart());
     placed->log_likelihood -= doubt(T.T);
     return placed;
   }
@@ -129,7 +124,6 @@ private:
   Cost cost_;
   DepthFit fit_;
   LocalMap surroundings_;
-  Matrix6d about_start_;
   Eigen::LDLT<Matrix6d> prior_factor_;
 };
 
@@ -212,14 +206,13 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
     if (const auto placed = pair.from(start, about)) places.push_back(*placed);
   };
   if (search) tryFrom(prior.T, prior.P);
-  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start, pair.aboutStart());
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start, aboutStart());
   if (places.empty()) return {};
   PlacedView found = tested(places).front();
   // Few planes may leave a way free, along which pixels see no farther than an edge is wide.
   if (search) {
     const Vector6d step = freeStep(found.information);
-    for (const double shift : {-2, -1, 1, 2})
-      tryFrom(perturbed(found.T_a_b, shift * step), pair.aboutStart());
+    for (const double shift : {-2, -1, 1, 2}) tryFrom(perturbed(found.T_a_b, shift * step), aboutStart());
     found = tested(places).front();
   }
   const Vector6d step = freeStep(found.information);
@@ -241,11 +234,11 @@ std::vector<PlacedView> ViewPlacing::modes(const View& view, const View& other,
     if (const auto placed = pair.from(start, about)) all.push_back(*placed);
   };
   tryFrom(prior.T, prior.P);
-  for (const Eigen::Isometry3d& start : starts(view, other, prior, true)) tryFrom(start, pair.aboutStart());
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, true)) tryFrom(start, aboutStart());
   if (all.empty()) return {};
   const PlacedView best = tested(all).front();
   for (const Vector6d& motion : pair.openMotions(best.T_a_b))
-    for (const Eigen::Isometry3d& start : walked(pair, best, motion)) tryFrom(start, pair.aboutStart());
+    for (const Eigen::Isometry3d& start : walked(pair, best, motion)) tryFrom(start, aboutStart());
 
   std::vector<PlacedView> modes;
   for (PlacedView& placed : tested(all)) {

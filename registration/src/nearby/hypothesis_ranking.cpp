@@ -12,9 +12,11 @@
 #include <limits>
 #include <utility>
 
-namespace facetloc::internal {
+namespace facetloc {
+namespace internal {
 namespace {
 
+constexpr double kBound = 2;        // standard deviations, of 95 % of the errors
 constexpr int kRefinedPlaces = 12;  // best places that are refined, a limit of time
 
 // Evidence of several models about one world pose: all together about each pixel of the scene, and one by one
@@ -337,4 +339,18 @@ ScoreOdds oddsOfPair(const RegistrationParams& params, bool evidence) {
   return {slope, null_score + params.probability.priorLogOdds() / slope};
 }
 
-}  // namespace facetloc::internal
+}  // namespace internal
+
+using namespace internal;
+
+bool PoseLimits::hold(const Matrix6d& P) const {
+  return kBound * largestTranslationStd(P) <= max_translation &&
+         kBound * largestRotationStd(P) <= max_rotation_deg * kDegree;
+}
+
+std::string PoseLimits::whyNotFixed(const Matrix6d& P, const Eigen::Matrix3d& R) const {
+  return "nothing in view fixes " +
+         freeMotions(principalStd(P), max_rotation_deg * kDegree / kBound, max_translation / kBound, R);
+}
+
+}  // namespace facetloc

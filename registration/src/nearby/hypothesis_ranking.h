@@ -3,7 +3,7 @@
 
 #include "depth/depth_consistency.h"
 #include "nearby/view_alignment.h"
-#include "poses/pose_radius.h"
+#include "poses/pose_fusion.h"
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/map_metadata.h>

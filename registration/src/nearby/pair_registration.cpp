@@ -20,15 +20,7 @@ using namespace internal;
 
 namespace {
 
-constexpr double kDoubtOfCoarse = 10;  // against poses that planes alone do not fix [nats]
-constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // about a start [rad, m]
-
-Matrix6d aboutStart() {
-  Vector6d std;
-  std << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
-  return std.cwiseAbs2().asDiagonal();
-}
-
+constexpr double kDoubtOfCoarse = 10;                  // against poses that planes alone do not fix [nats]
 constexpr double kLeastAgreeing = 0.5;                 // share of the depth pixels that are compared
 constexpr double kGate = chiSquareQuantile(6, 0.999);  // gate of the prior
 

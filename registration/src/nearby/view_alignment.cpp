@@ -20,8 +20,16 @@ void LocalMap::add(int index, std::shared_ptr<const View> view, const Eigen::Iso
   views.push_back(std::move(view));
 }
 
-ViewAlignmentParams alignmentWithCovariance() {
+Matrix6d aboutStart() {
+  constexpr double kLooseRotation = 3 * kDegree, kLooseTranslation = 0.1;  // [rad, m]
+  Vector6d std;
+  std << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLooseTranslation);
+  return std.cwiseAbs2().asDiagonal();
+}
+
+ViewAlignmentParams alignmentWithCovariance(bool as_shown) {
   ViewAlignmentParams params;
+  params.as_shown = as_shown;
   params.dense.correlated_pixels = kCorrelatedPixels;
   params.dense.significance = kSignificance;
   return params;

@@ -42,7 +42,10 @@ constexpr double kSignificance = 2;        ///< least information of a direction
 
 /** \brief Alignment where the covariance counts: errors of neighbouring pixels are correlated, and directions
  * without significant information are left to the prior (METHOD 12). */
-ViewAlignmentParams alignmentWithCovariance();
+ViewAlignmentParams alignmentWithCovariance(bool as_shown = false);
+
+/** \brief Covariance of a pose about the start of an alignment that begins near its end: 3 deg, 0.1 m. */
+Matrix6d aboutStart();
 
 /** \brief Where a view is in its surroundings. */
 struct ViewAlignment {

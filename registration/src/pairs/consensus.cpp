@@ -193,49 +193,19 @@ double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector
   return sum;
 }
 
-namespace {
-
-class LikelihoodScore : public HypothesisScore {
-public:
-  LikelihoodScore(const ScoreCalibration& params, const DepthComparison& comparison)
-      : params_(params), comparison_(comparison) {}
-
-  void score(const Query& query, const View& model, int columns, Hypothesis& h) const override {
-    h.consensus = logLikelihoodRatio(query, model, h.T_m_c, comparison_, params_);
-    h.score = h.consensus;
-    if (params_.free_space_weight == 0) return;
-    const DepthPicture &scene = query.view.depth, &of_model = model.depth;
-    for (const auto& compared : {comparison_.count(scene, of_model, h.T_m_c.T, columns),
-                                 comparison_.count(of_model, scene, h.T_m_c.T.inverse(), columns)})
-      h.free_space += freeSpaceTerm(compared, params_);
-    h.score += h.free_space;
-  }
-  bool inNats() const override { return true; }
-
-private:
-  ScoreCalibration params_;
-  DepthComparison comparison_;
-};
-
-class OverlapScore : public HypothesisScore {
-public:
-  explicit OverlapScore(const MatchingParams& matching) : matching_(matching) {}
-
-  void score(const Query& query, const View& model, int, Hypothesis& h) const override {
+void HypothesisScore::score(const Query& query, const View& model, int columns, Hypothesis& h) const {
+  if (by_overlap_) {
     h.score = h.consensus = surfaceMatchingScore(query.view.segments, model.segments, h.T_m_c, matching_);
+    return;
   }
-  bool inNats() const override { return false; }
-
-private:
-  MatchingParams matching_;
-};
-
-}  // namespace
-
-std::unique_ptr<const HypothesisScore> hypothesisScore(const ViewRegistrationParams& params,
-                                                       const DepthComparison& comparison) {
-  if (params.score.by_overlap) return std::make_unique<const OverlapScore>(params.matching);
-  return std::make_unique<const LikelihoodScore>(params.calibration.score, comparison);
+  h.consensus = logLikelihoodRatio(query, model, h.T_m_c, comparison_, params_);
+  h.score = h.consensus;
+  if (params_.free_space_weight == 0) return;
+  const DepthPicture &scene = query.view.depth, &of_model = model.depth;
+  for (const auto& compared : {comparison_.count(scene, of_model, h.T_m_c.T, columns),
+                               comparison_.count(of_model, scene, h.T_m_c.T.inverse(), columns)})
+    h.free_space += freeSpaceTerm(compared, params_);
+  h.score += h.free_space;
 }
 
 }  // namespace facetloc::internal

@@ -2,7 +2,7 @@
 #include "pairs/hypothesis_tree.h"
 
 #include "pairs/cholesky3.h"
-#include "pairs/extent_measurement.h"
+#include "pairs/plane_measurement.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -2,8 +2,8 @@
 #include "pairs/joint_refinement.h"
 
 #include "pairs/cholesky3.h"
-#include "pairs/extent_measurement.h"
 #include "pairs/pair_distance.h"
+#include "pairs/plane_measurement.h"
 
 #include <facetloc/features/pose.h>
 

@@ -4,11 +4,14 @@
 #include "pairs/cholesky3.h"
 #include "pairs/plane_measurement.h"
 
+#include <facetloc/registration/candidate_pairs.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace facetloc::internal {
+namespace facetloc {
+namespace internal {
 namespace {
 
 // Shapes count as their 50 % ellipse while the pose is gated at 99 %: chi2(3) quantiles (METHOD 4.2).
@@ -62,4 +65,26 @@ double overlapDistance(const Segment& scene, const Segment& model, const PoseWit
   return cholesky.compute(S) ? cholesky.squaredMahalanobis(delta) : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace facetloc::internal
+}  // namespace internal
+
+std::vector<SegmentPair> candidatePairs(const std::vector<Segment>& scene, const std::vector<Segment>& model,
+                                        const PoseWithCovariance& prior, const MatchingParams& params) {
+  std::vector<SegmentPair> pairs;
+  const int n = std::min<int>(scene.size(), params.max_segments),
+            m = std::min<int>(model.size(), params.max_segments);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < m; ++k) {
+      const double distance =
+          internal::coplanarityDistance(scene[i], model[k], prior, params.coplanarity_gate);
+      if (!(distance <= params.coplanarity_gate)) continue;
+      if (!(internal::overlapDistance(scene[i], model[k], prior, params.overlap_gate) <= params.overlap_gate))
+        continue;
+      pairs.push_back({i, k, distance});
+    }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const SegmentPair& a, const SegmentPair& b) {
+    return a.scene + a.model < b.scene + b.model;  // METHOD 4.3
+  });
+  return pairs;
+}
+
+}  // namespace facetloc

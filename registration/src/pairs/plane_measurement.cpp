@@ -3,6 +3,8 @@
 
 #include "pairs/cholesky3.h"
 
+#include <Eigen/Cholesky>
+
 #include <cmath>
 #include <limits>
 
@@ -19,6 +21,10 @@ Eigen::Matrix<double, 3, 2> tiltJacobian(double sx, double sy) {
       (Eigen::Matrix3d::Identity() - n * n.transpose()) / std::sqrt(1 + sx * sx + sy * sy);
   return tangent.leftCols<2>();
 }
+
+// A stretch of half length a has the variance a^2 / 3 about its middle. Two of them overlap as long as their
+// middles are no more than 2 a apart, uniformly: a variance of 4 a^2 / 3, twice the sum of both.
+constexpr double kOfOverlapping = 2;
 
 }  // namespace
 
@@ -85,6 +91,25 @@ double innovationDistance(const PlaneMeasurement& m, const Matrix6d& P) {
   const Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;
   Cholesky3 cholesky;
   return cholesky.compute(S) ? cholesky.squaredMahalanobis(m.h) : std::numeric_limits<double>::infinity();
+}
+
+ExtentMeasurement measureExtent(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T_m_c) {
+  const Eigen::Vector3d moved = T_m_c.linear() * scene.t;
+  const Eigen::Matrix<double, 3, 2> axes = model.R.leftCols<2>(),
+                                    scene_axes = T_m_c.linear() * scene.R.leftCols<2>();
+  ExtentMeasurement m;
+  m.h = axes.transpose() * (moved + T_m_c.translation() - model.t);
+  m.H << -axes.transpose() * skew(moved), axes.transpose();
+  const Eigen::Matrix2d turned = axes.transpose() * scene_axes;
+  m.W = kOfOverlapping * turned * scene.lambda.asDiagonal() * turned.transpose();
+  m.W.diagonal() += kOfOverlapping * model.lambda;
+  return m;
+}
+
+Matrix6d informationOf(const ExtentMeasurement& m) {
+  const Eigen::LLT<Eigen::Matrix2d> W(m.W);
+  if (W.info() != Eigen::Success) return Matrix6d::Zero();
+  return m.H.transpose() * W.solve(m.H);
 }
 
 }  // namespace facetloc::internal

@@ -4,7 +4,7 @@
 #include <facetloc/registration/candidate_pairs.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 namespace facetloc::internal {
 namespace {
@@ -29,12 +29,10 @@ bool isComplete(const Matrix6d& P, const HypothesisTreeParams& params) {
          largestTranslationStd(P) <= params.complete_translation;
 }
 
-bool byScore(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
-
 }  // namespace
 
 ViewRegistration::ViewRegistration(const ViewRegistrationParams& params)
-    : params_(params), comparison_(params.calibration.depth), score_(hypothesisScore(params, comparison_)) {}
+    : params_(params), comparison_(params.calibration.depth), score_(params, comparison_) {}
 
 bool ViewRegistration::mayFixPose(const Query& query) const {
   // A model without any error would double the information; as much again for the neglected terms of
@@ -46,14 +44,26 @@ bool ViewRegistration::mayFixPose(const Query& query) const {
   return most.within(max_rotation, max_translation) || most.oneTranslationFree(max_rotation, max_translation);
 }
 
+TreeSearchResult ViewRegistration::search(const Query& query, const View& model,
+                                          const PoseWithCovariance& start, Chosen chosen,
+                                          bool extents) const {
+  const std::vector<Segment>&scene = query.view.segments, &of_model = model.segments;
+  return searchHypotheses(
+      scene, of_model, chosen ? *chosen : candidatePairs(scene, of_model, start, params_.matching), start,
+      params_.matching, params_.ekf, limitsFor(query.view, params_.tree), query.known, extents);
+}
+
+std::vector<Hypothesis> ViewRegistration::scored(const Query& query, const View& model,
+                                                 std::vector<Hypothesis> hypotheses) const {
+  for (Hypothesis& h : hypotheses) score_.score(query, model, kFineColumns, h);
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+  return hypotheses;
+}
+
 std::vector<Hypothesis> ViewRegistration::align(const Query& query, const View& model,
                                                 const PoseWithCovariance& start, Chosen chosen) const {
-  const std::vector<Segment>&scene = query.view.segments, &of_model = model.segments;
-  const std::vector<SegmentPair> candidates =
-      chosen ? *chosen : candidatePairs(scene, of_model, start, params_.matching);
-  const TreeSearchResult found =
-      searchHypotheses(scene, of_model, candidates, start, params_.matching, params_.ekf,
-                       limitsFor(query.view, params_.tree), query.known);
+  const TreeSearchResult found = search(query, model, start, chosen, false);
 
   // Pairs alone discriminate wrong poses better than together with prior information that holds for all of
   // them.
@@ -66,25 +76,15 @@ std::vector<Hypothesis> ViewRegistration::align(const Query& query, const View& 
       completeByDepth(query, model, poses->incomplete, chosen, hypotheses);
   }
 
-  for (Hypothesis& h : hypotheses) score_->score(query, model, kFineColumns, h);
-  std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
-  return hypotheses;
+  return scored(query, model, std::move(hypotheses));
 }
 
 std::vector<Hypothesis> ViewRegistration::alignByExtents(const Query& query, const View& model,
                                                          const PoseWithCovariance& start,
                                                          Chosen chosen) const {
-  const std::vector<Segment>&scene = query.view.segments, &of_model = model.segments;
-  const std::vector<SegmentPair> candidates =
-      chosen ? *chosen : candidatePairs(scene, of_model, start, params_.matching);
-  const TreeSearchResult found =
-      searchHypotheses(scene, of_model, candidates, start, params_.matching, params_.ekf,
-                       limitsFor(query.view, params_.tree), query.known, true);
   std::vector<Hypothesis> hypotheses;
-  addComplete(query, model, found.by_extents, chosen, true, hypotheses);
-  for (Hypothesis& h : hypotheses) score_->score(query, model, kFineColumns, h);
-  std::stable_sort(hypotheses.begin(), hypotheses.end(), byScore);
-  return hypotheses;
+  addComplete(query, model, search(query, model, start, chosen, true).by_extents, chosen, true, hypotheses);
+  return scored(query, model, std::move(hypotheses));
 }
 
 std::optional<Hypothesis> ViewRegistration::alignFrom(const PoseWithCovariance& start, const Query& query,
@@ -93,7 +93,7 @@ std::optional<Hypothesis> ViewRegistration::alignFrom(const PoseWithCovariance& 
   h.T_m_c = start;
   if (!refineJointly(query.view.segments, model.segments, start, params_.matching, {}, h))
     return std::nullopt;
-  score_->score(query, model, kCoarseColumns, h);
+  score_.score(query, model, kCoarseColumns, h);
   return h;
 }
 

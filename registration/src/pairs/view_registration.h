@@ -16,7 +16,7 @@ class ViewRegistration {
 public:
   explicit ViewRegistration(const ViewRegistrationParams& params = {});
   const ViewRegistrationParams& params() const { return params_; }
-  const HypothesisScore& score() const { return *score_; }
+  const HypothesisScore& score() const { return score_; }
 
   /** \brief False if the planes of a view tell so little that align() has no answer, whatever the model. */
   bool mayFixPose(const Query& query) const;
@@ -41,6 +41,10 @@ public:
 
 private:
   using Chosen = const std::vector<SegmentPair>*;
+  TreeSearchResult search(const Query& query, const View& model, const PoseWithCovariance& start,
+                          Chosen chosen, bool extents) const;
+  std::vector<Hypothesis> scored(const Query& query, const View& model,
+                                 std::vector<Hypothesis> hypotheses) const;
   void addComplete(const Query& query, const View& model, const std::vector<PoseNode>& complete,
                    Chosen chosen, bool extents, std::vector<Hypothesis>& hypotheses) const;
   void addDistinct(const Query& query, Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
@@ -49,7 +53,7 @@ private:
 
   ViewRegistrationParams params_;
   DepthComparison comparison_;
-  std::shared_ptr<const HypothesisScore> score_;
+  HypothesisScore score_;
 };
 
 /** \brief Which motions of the camera the segments of a view leave free, in words and camera axes, such as

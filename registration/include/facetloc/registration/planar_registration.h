@@ -20,24 +20,15 @@ public:
   using ConstPtr = pcl::shared_ptr<const PlanarRegistration<PointT>>;
   PlanarRegistration() { this->reg_name_ = "PlanarRegistration"; }
 
-  void setViewParams(const ViewParams& params) {
-    view_params_ = checked(params);
-    this->forgetTarget();
-  }
+  void setViewParams(const ViewParams& params) { view_params_ = checked(params), this->forgetTarget(); }
   const ViewParams& getViewParams() const { return view_params_; }
   /** \brief Camera of both clouds: a Kinect-class one unless set. Without intrinsics these are
    * recovered from the points. */
-  void setCamera(const Camera& camera) {
-    camera_ = camera;
-    this->forgetTarget();
-  }
+  void setCamera(const Camera& camera) { camera_ = camera, this->forgetTarget(); }
   const Camera& getCamera() const { return camera_; }
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set.
    * Larger clouds that have no sure answer so are registered once more at full size. */
-  void setWorkingWidth(int width) {
-    working_width_ = width;
-    this->forgetTarget();
-  }
+  void setWorkingWidth(int width) { working_width_ = width, this->forgetTarget(); }
 
 protected:
   View makeView(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,

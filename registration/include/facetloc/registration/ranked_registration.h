@@ -106,17 +106,20 @@ public:
   void setInputTarget(const PointCloudTargetConstPtr& cloud) override;
   /** \name The points of the source that count, as in PCL; which ones are wrong shows when it is aligned. */
   /// @{
-  void setIndices(const pcl::IndicesPtr& indices) override;
-  void setIndices(const pcl::IndicesConstPtr& indices) override;
-  void setIndices(const pcl::PointIndicesConstPtr& indices) override;
-  void setIndices(std::size_t row, std::size_t column, std::size_t rows, std::size_t columns) override;
+  void setIndices(const pcl::IndicesPtr& chosen) override { Base::setIndices(chosen), rememberIndices(); }
+  void setIndices(const pcl::IndicesConstPtr& chosen) override {
+    Base::setIndices(chosen), rememberIndices();
+  }
+  void setIndices(const pcl::PointIndicesConstPtr& chosen) override {
+    Base::setIndices(chosen), rememberIndices();
+  }
+  void setIndices(std::size_t row, std::size_t column, std::size_t rows, std::size_t columns) override {
+    Base::setIndices(row, column, rows, columns), rememberIndices();
+  }
   /// @}
 
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
-  void setRegistrationParams(const RegistrationParams& params) {
-    params_ = checked(params);
-    forgetTarget();
-  }
+  void setRegistrationParams(const RegistrationParams& params) { params_ = checked(params), forgetTarget(); }
   const RegistrationParams& getRegistrationParams() const { return params_; }
   /** \brief Covariance of the guess given to align(), order (phi, t); the parameters' prior unless
    * set. */
@@ -181,10 +184,7 @@ protected:
     return std::nullopt;
   }
   /** \brief To be called when the view of the target would come out another. */
-  void forgetTarget() {
-    in_target_.reset();
-    in_finer_target_.reset();
-  }
+  void forgetTarget() { in_target_.reset(), in_finer_target_.reset(); }
   void computeTransformation(PointCloudSource& output, const Matrix4& guess) override;
 
   using Base::converged_;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/place_belief.h"
 #include "belief/place_following.h"
-#include "belief/smoothed_places.h"
 #include "motion/camera_motion.h"
-#include "poses/pose_radius.h"
+#include "poses/pose_fusion.h"
 #include "ranking/global_localization.h"
 
 #include <facetloc/features/map_metadata.h>

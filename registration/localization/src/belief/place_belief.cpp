@@ -2,7 +2,6 @@
 #include "belief/place_belief.h"
 
 #include "poses/pose_fusion.h"
-#include "poses/pose_radius.h"
 #include "threads/in_parallel.h"
 
 #include <facetloc/features/pose.h>

@@ -7,6 +7,8 @@
 #include <facetloc/registration/pose_prior.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <map>
 #include <vector>
 
@@ -28,14 +30,41 @@ double share(const DepthAgreement& a) {
 }
 
 ViewAlignmentParams alignmentParams(const MatchingParams& matching) {
-  ViewAlignmentParams params = alignmentWithCovariance();
+  ViewAlignmentParams params = alignmentWithCovariance(true);
   params.matching = matching;
   params.dense.iterations = kDenseIterations;
-  params.as_shown = true;
   return params;
 }
 
 }  // namespace
+
+void RepeatedLooks::discount(LocalMap& surroundings) const {
+  constexpr double kMost = 0.9999;  // correlation: keeps covariances finite while the camera stands
+  for (std::size_t i = 0; i < surroundings.segments.size(); ++i) {
+    const LocalMap::Origin& origin = surroundings.origins[i];
+    const auto found = correlation_.find({origin.view, origin.segment});
+    if (found == correlation_.end()) continue;
+    const double rho = std::min(found->second, kMost);
+    surroundings.segments[i].Sigma_q *= (1 + rho) / (1 - rho);
+  }
+}
+
+void RepeatedLooks::add(const std::vector<SegmentPair>& pairs, const LocalMap& surroundings) {
+  for (const SegmentPair& p : pairs) {
+    const LocalMap::Origin& origin = surroundings.origins[p.model];
+    correlation_[{origin.view, origin.segment}] = 1;
+  }
+}
+
+void RepeatedLooks::move(const Eigen::Isometry3d& T_a_b) {
+  constexpr double kForgotten = 0.01;
+  const double kept =
+      std::exp(-T_a_b.translation().norm() / kDistance - rotationAngle(T_a_b.linear()) / kRotation);
+  for (auto look = correlation_.begin(); look != correlation_.end();) {
+    look->second *= kept;
+    look = look->second < kForgotten ? correlation_.erase(look) : std::next(look);
+  }
+}
 
 bool FollowedPlace::isContradicted() const { return is_judged && agreement < kLeastAgreement; }
 bool FollowedPlace::isInDoubt() const { return is_judged && agreement < kSureAgreement; }

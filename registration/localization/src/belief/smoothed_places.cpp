@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "belief/smoothed_places.h"
-
+#include "belief/place_belief.h"
 #include "poses/pose_fusion.h"
 #include "ranking/place_ranking.h"
 

@@ -31,12 +31,11 @@ PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizat
     : HypothesisRanking(params, surfacesOf(*map)),
       map_(std::move(map)),
       params_(params),
-      score_(hypothesisScore(params, comparison())),
-      alignment_(alignmentWithCovariance()),
+      score_(params, comparison()),
+      alignment_(alignmentWithCovariance(true)),
       near_(map_, true),
       rendered_(renderedViews(*map_)) {
   alignment_.matching = params.matching;
-  alignment_.as_shown = true;
 }
 
 bool PlaceRanking::mayHaveEvidence(const View& scene) const {
@@ -90,7 +89,7 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
   for (std::size_t i = 0; i < models.size(); ++i) {
     h.model = models[i];
     h.T_m_c = around[i].T_w_m.inverse() * aligned.T_w_c;
-    score_->score(query, *around[i].view, kFineColumns, h);
+    score_.score(query, *around[i].view, kFineColumns, h);
     if (!best || h.consensus > best->consensus) best = h;
   }
   for (const SegmentPair& pair : aligned.pairs) {

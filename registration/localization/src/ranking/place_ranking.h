@@ -42,7 +42,7 @@ private:
 
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;
-  std::unique_ptr<const HypothesisScore> score_;
+  HypothesisScore score_;
   ViewAlignmentParams alignment_;
   NearbyModels near_;
   std::vector<char> rendered_;  // indexed by local model: true if others have shown all of it

@@ -3,8 +3,6 @@
 
 #include "base/lanes.h"
 #include "depth/moved_pixels.h"
-#include "shortlist/place_reach.h"
-#include "shortlist/wall_pairs.h"
 
 #include <facetloc/features/pose.h>
 

@@ -1,12 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/lanes.h"
 #include "shortlist/place_descriptor.h"
 
 #include <limits>
 #include <vector>
 
 namespace facetloc::internal {
+
+// How far one place is laid from another at most: about three standard deviations of the usual prior, which
+// is 20 deg and 1 m.
+constexpr float kReachTurnDeg = 60;  // between their headings [deg]
+constexpr float kReachMove = 2.8f;   // along each axis [m]
+
+/** \brief Which of eight walls overlap with another one in height, or nearly: parts of one wall may. */
+FACETLOC_ALWAYS_INLINE void overlapInHeight(const Floats& bottom, const Floats& top, const Wall& wall,
+                                            Ints& overlaps) {
+  constexpr float kGap = 0.05f;  // [m]
+  overlaps = (bottom - wall.top <= kGap) & (wall.bottom - top <= kGap);
+}
+
+/** \brief How many edges two walls have in common: float, or Floats for eight pairs of walls.
+ * \param lower, upper differences in height of these edges, NaN where one of the two is not seen [m] */
+template <typename Number>
+FACETLOC_ALWAYS_INLINE void countEdges(const Number& lower, const Number& upper, Number& edges) {
+  constexpr float kError = 0.06f;  // [m]
+  const Number none{}, one = none + 1;
+  const auto same_lower = (lower < kError) & (lower > -kError),
+             same_upper = (upper < kError) & (upper > -kError);
+  edges = (same_lower ? one : none) + (same_upper ? one : none);
+}
 
 /** \brief How one place may be laid over another: a turn about the vertical, then a move on the floor. */
 struct PlaceAlignment {
@@ -63,6 +87,26 @@ private:
   std::vector<ParallelPair> parallel_;
   std::vector<float> turns_, grid_;
   std::vector<Pose> poses_;
+};
+
+/** \brief A quick estimate of the score of laying one place over another (CoarseAligner::align), for a
+ * twentieth of its work.
+ *
+ * Places that are built along two directions at right angles differ by few turns, and once turned by a move
+ * along each direction. Every pair of walls that face the same way votes for one move, every pair of ends
+ * for one across it: with the weight of the smaller wall, more if upper or lower edges are at one height.
+ * The score is the number of votes of the best moves, each direction on its own, less the cost of them and of
+ * the turn by the prior, plus level surfaces at one height, relative to the size of the model. */
+class Prescore {
+public:
+  /** \param scene must outlive the object */
+  explicit Prescore(const PlaceDescriptor& scene);
+  /** \brief Not negative; tells models of one scene apart. Thread-safe. */
+  float of(const PlaceDescriptor& model) const;
+
+private:
+  const PlaceDescriptor& scene_;
+  const WallColumns walls_;
 };
 
 }  // namespace facetloc::internal

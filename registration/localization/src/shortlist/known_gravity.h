@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pairs/query.h"
+#include "pairs/consensus.h"
 
 #include <facetloc/features/local_model.h>
 

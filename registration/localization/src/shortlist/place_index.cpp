@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/binary_archive.h"
 #include "shortlist/coarse_aligner.h"
-#include "shortlist/place_reach.h"
-#include "shortlist/prescore.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/localization/place_index.h>

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shortlist/prescore.h"
-
 #include "base/lanes.h"
-#include "shortlist/place_reach.h"
-#include "shortlist/wall_pairs.h"
+#include "shortlist/coarse_aligner.h"
 
 #include <facetloc/features/pose.h>
 

@@ -51,21 +51,20 @@ Shortlist::Shortlist(std::shared_ptr<const Map> map, const GlobalLocalizationPar
     return;
   if (mounting && PlaceIndex::covers(usual))
     index_ = std::make_shared<PlaceIndex>(PlaceIndex::of(*map_, shortlist, params.prior));
-  planes_ = std::make_shared<LazyPlanes>();
-  level_planes_ = std::make_shared<LazyPlanes>();
+  planes_ = std::make_shared<std::array<LazyPlanes, 2>>();
 }
 
 // For a camera in the hand alone: a large map is opened without its views.
-Shortlist::ModelPlanes Shortlist::planesOf(const Map& map, const MapGravity* gravity) {
+Shortlist::ModelPlanes Shortlist::readPlanes(bool levelled) const {
   ModelPlanes planes;
-  planes.of_models.reserve(map.models.size());
-  for (std::size_t i = 0; i < map.models.size(); ++i) {
-    const auto view = map.view(static_cast<int>(i));
-    if (!gravity) {
+  planes.of_models.reserve(map_->models.size());
+  for (std::size_t i = 0; i < map_->models.size(); ++i) {
+    const auto view = map_->view(static_cast<int>(i));
+    if (!levelled) {
       planes.of_models.emplace_back(*view);
       continue;
     }
-    const auto down = gravity->of(static_cast<int>(i), *view);
+    const auto down = gravity_->of(static_cast<int>(i), *view);
     if (!down) return {};
     planes.levelling.push_back(levelling(down->down));
     planes.of_models.emplace_back(turnedView(*view, Eigen::Isometry3d(planes.levelling.back())));
@@ -73,14 +72,10 @@ Shortlist::ModelPlanes Shortlist::planesOf(const Map& map, const MapGravity* gra
   return planes;
 }
 
-const Shortlist::ModelPlanes& Shortlist::planes() const {
-  std::call_once(planes_->read, [this] { planes_->planes = planesOf(*map_, nullptr); });
-  return planes_->planes;
-}
-
-const Shortlist::ModelPlanes& Shortlist::levelPlanes() const {
-  std::call_once(level_planes_->read, [this] { level_planes_->planes = planesOf(*map_, gravity_.get()); });
-  return level_planes_->planes;
+const Shortlist::ModelPlanes& Shortlist::planes(bool levelled) const {
+  LazyPlanes& lazy = (*planes_)[levelled];
+  std::call_once(lazy.read, [&] { lazy.planes = readPlanes(levelled); });
+  return lazy.planes;
 }
 
 std::vector<NextBatch> Shortlist::batches(const Query& query, bool on_floor, int threads,
@@ -169,7 +164,7 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
   if (!planes_ || !can_be_sure) return {asItIs(std::move(all))};
   // Overlays are near the identity: of a camera that is turned against the map's, as if it were not; where
   // gravity is known, of two that are level.
-  const bool is_level = query.view.gravity && query.view.gravity->valid() && !levelPlanes().levelling.empty();
+  const bool is_level = query.view.gravity && query.view.gravity->valid() && !planes(true).levelling.empty();
   const bool is_turned = !is_level && !query.prior.T.isApprox(Eigen::Isometry3d::Identity());
   Eigen::Isometry3d back = is_turned ? query.prior.T : Eigen::Isometry3d::Identity();
   if (is_level) back.linear() = levelling(query.view.gravity->down);
@@ -177,7 +172,7 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
                                   query.prior,
                                   is_level ? std::hypot(query.view.gravity->std, kTiltOfPlanes) : 0);
   if (!scene.isUseful()) return {asItIs(std::move(all))};
-  const ModelPlanes& planes = is_level ? levelPlanes() : this->planes();
+  const ModelPlanes& planes = this->planes(is_level);
 
   const ShortlistParams& p = params_.shortlist;
   constexpr int kBlock = 64;  // models that one thread takes at a time

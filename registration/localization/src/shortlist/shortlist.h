@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pairs/query.h"
+#include "pairs/consensus.h"
 #include "pairs/view_registration.h"
 #include "shortlist/known_gravity.h"
 #include "shortlist/plane_triplet_matcher.h"
@@ -9,6 +9,7 @@
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/place_index.h>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -69,11 +70,10 @@ private:
     std::once_flag read;
     ModelPlanes planes;
   };
-  static ModelPlanes planesOf(const Map& map, const MapGravity* gravity);
-  /** Read the views of all models at the first call. Levelled ones are empty unless gravity is known in all
+  ModelPlanes readPlanes(bool levelled) const;
+  /** Reads the views of all models at the first call. Levelled ones are empty unless gravity is known in all
    * models. */
-  const ModelPlanes& planes() const;
-  const ModelPlanes& levelPlanes() const;
+  const ModelPlanes& planes(bool levelled) const;
   Batch allModels(const Query& query, const std::function<bool(int)>& excluded) const;
   PoseWithCovariance startAt(const Eigen::Isometry3d& T_m_c,
                              const std::optional<CameraMounting>& mounting) const;
@@ -84,7 +84,7 @@ private:
   PosePriorParams start_;                    // how well a quick alignment tells a pose
   std::shared_ptr<const PlaceIndex> index_;  // null for a small map, and where there is no mounting
   std::shared_ptr<const MapGravity> gravity_;
-  std::shared_ptr<LazyPlanes> planes_, level_planes_;  // null in a small map
+  std::shared_ptr<std::array<LazyPlanes, 2>> planes_;  // as they are, and levelled; null in a small map
 };
 
 }  // namespace facetloc::internal

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/map_ambiguity.h"
 
-#include "poses/pose_radius.h"
+#include "poses/pose_fusion.h"
 
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/features/pose.h>

@@ -3,7 +3,7 @@
 
 #include "motion/view_placing.h"
 #include "nearby/view_alignment.h"
-#include "poses/pose_radius.h"
+#include "poses/pose_fusion.h"
 #include "sessions/free_space_violations.h"
 #include "threads/in_parallel.h"
 

@@ -3,7 +3,7 @@
 
 #include "graph/consensus_alignment.h"
 #include "graph/graph_covariance.h"
-#include "poses/pose_radius.h"
+#include "poses/pose_fusion.h"
 #include "sessions/parallel_stage.h"
 #include "threads/in_parallel.h"
 #include "trajectory/trajectory_links.h"

@@ -3,7 +3,6 @@
 
 #include "motion/step_prior.h"
 #include "poses/pose_fusion.h"
-#include "poses/pose_radius.h"
 
 #include <algorithm>
 #include <array>

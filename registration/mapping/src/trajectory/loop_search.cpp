@@ -2,7 +2,7 @@
 #include "trajectory/loop_search.h"
 
 #include "graph/loop_consistency.h"
-#include "poses/pose_radius.h"
+#include "poses/pose_fusion.h"
 #include "trajectory/tie_search.h"
 
 #include <facetloc/registration/pose_prior.h>

@@ -3,7 +3,6 @@
 
 #include "depth/depth_consistency.h"
 #include "poses/pose_fusion.h"
-#include "poses/pose_radius.h"
 
 #include <facetloc/registration/pose_prior.h>
 

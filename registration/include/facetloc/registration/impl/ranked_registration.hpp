@@ -43,28 +43,6 @@ void RankedRegistration<PointT>::setInputTarget(const PointCloudTargetConstPtr& 
 }
 
 template <typename PointT>
-void RankedRegistration<PointT>::setIndices(const pcl::IndicesPtr& indices) {
-  Base::setIndices(indices);
-  rememberIndices();
-}
-template <typename PointT>
-void RankedRegistration<PointT>::setIndices(const pcl::IndicesConstPtr& indices) {
-  Base::setIndices(indices);
-  rememberIndices();
-}
-template <typename PointT>
-void RankedRegistration<PointT>::setIndices(const pcl::PointIndicesConstPtr& indices) {
-  Base::setIndices(indices);
-  rememberIndices();
-}
-template <typename PointT>
-void RankedRegistration<PointT>::setIndices(std::size_t row, std::size_t column, std::size_t rows,
-                                            std::size_t columns) {
-  Base::setIndices(row, column, rows, columns);
-  rememberIndices();
-}
-
-template <typename PointT>
 void RankedRegistration<PointT>::rememberIndices() {
   chosen_ = indices_;
   applyIndices();

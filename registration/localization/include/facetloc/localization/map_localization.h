@@ -37,19 +37,16 @@ public:
   void setMap(std::shared_ptr<const Map> map);
   /** \brief The camera of the clouds: noise, mounting and range; without intrinsics these are recovered from
    * the points. Nothing is known of it unless set; of the camera that made the map it is Map::camera. */
-  void setCamera(const Camera& camera);
+  void setCamera(const Camera& camera) { camera_ = camera, builder_.reset(); }
   const Camera& getCamera() const { return camera_; }
   /** \brief Throw std::invalid_argument for a parameter out of its range. */
   /// @{
-  void setViewParams(const ViewParams& params);
-  void setLocalizationParams(const GlobalLocalizationParams& params);
-  void setLocalizerParams(const LocalizerParams& params);
+  void setViewParams(const ViewParams& params) { view_params_ = checked(params), builder_.reset(); }
+  void setLocalizationParams(const GlobalLocalizationParams& params) { params_ = checked(params), reset(); }
+  void setLocalizerParams(const LocalizerParams& params) { localizer_params_ = checked(params), reset(); }
   /// @}
   /** \brief Width that clouds are subsampled to before segmentation [px]; 0 = full size. 320 unless set. */
-  void setWorkingWidth(int width) {
-    working_width_ = width;
-    builder_.reset();
-  }
+  void setWorkingWidth(int width) { working_width_ = width, builder_.reset(); }
   /** \brief OpenMP threads; 1 unless set, 0 = all cores. */
   void setNumberOfThreads(int n);
   /** \brief Least probability of a pose that is sure; unless set, as the map was calibrated
@@ -58,7 +55,7 @@ public:
 
   /** \brief Is each cloud one of a drive? The time of a cloud is its header's stamp [us]; a cloud without one
    * comes 1/30 s after the one before. */
-  void setSequenceMode(bool on);
+  void setSequenceMode(bool on) { is_sequence_ = on, reset(); }
   /** \brief Begins a new drive. */
   void reset();
 
@@ -73,7 +70,7 @@ public:
   void addMotion(const PoseWithCovariance& T_before_now);
   /** \brief How well an odometry measures motions. Throws std::invalid_argument for a parameter out of its
    * range. */
-  void setOdometryError(const OdometryError& error);
+  void setOdometryError(const OdometryError& error) { odometry_error_ = checked(error); }
   /** \brief Gravity in the optical frame of the next cloud; nothing where it is unknown. Holds until it is
    * set anew. */
   void setGravity(const std::optional<Gravity>& gravity) { gravity_ = gravity; }

@@ -20,30 +20,6 @@ void MapLocalization<PointT>::setMap(std::shared_ptr<const Map> map) {
 }
 
 template <typename PointT>
-void MapLocalization<PointT>::setCamera(const Camera& camera) {
-  camera_ = camera;
-  builder_.reset();
-}
-
-template <typename PointT>
-void MapLocalization<PointT>::setViewParams(const ViewParams& params) {
-  view_params_ = checked(params);
-  builder_.reset();
-}
-
-template <typename PointT>
-void MapLocalization<PointT>::setLocalizationParams(const GlobalLocalizationParams& params) {
-  params_ = checked(params);
-  reset();
-}
-
-template <typename PointT>
-void MapLocalization<PointT>::setLocalizerParams(const LocalizerParams& params) {
-  localizer_params_ = checked(params);
-  reset();
-}
-
-template <typename PointT>
 void MapLocalization<PointT>::setNumberOfThreads(int n) {
   threads_ = n;
   if (localizer_) localizer_->setNumberOfThreads(n);
@@ -54,12 +30,6 @@ void MapLocalization<PointT>::setMinProbability(double p) {
   if (!(p > 0 && p <= 1)) throw std::invalid_argument("the least probability must be above 0 and at most 1");
   min_probability_ = p;
   if (localizer_) localizer_->setMinProbability(p);
-}
-
-template <typename PointT>
-void MapLocalization<PointT>::setSequenceMode(bool on) {
-  is_sequence_ = on;
-  reset();
 }
 
 template <typename PointT>
@@ -79,11 +49,6 @@ template <typename PointT>
 void MapLocalization<PointT>::addMotion(const PoseWithCovariance& T_before_now) {
   if (!T_before_now.T.matrix().allFinite() || !T_before_now.P.allFinite()) is_motion_lost_ = true;
   motion_ = motion_ ? *motion_ * T_before_now : T_before_now;
-}
-
-template <typename PointT>
-void MapLocalization<PointT>::setOdometryError(const OdometryError& error) {
-  odometry_error_ = checked(error);
 }
 
 template <typename PointT>
