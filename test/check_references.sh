@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Checks the references in code and documents: sections of a METHOD.md, files and headings behind Markdown links, and no document
-# that is not here. check_references.sh FOLDER checks the links of the documents in another folder, as in an installation.
+# Checks the references in code and documents: sections of a METHOD.md, which are numbered from 1 without a gap, files and headings
+# behind Markdown links, and no document that is not here. check_references.sh FOLDER checks the links of the documents in another
+# folder, as in an installation.
 set -euo pipefail
 [[ $# -gt 0 ]] || repository=yes
 cd "${1:-$(dirname "$0")/..}"
@@ -21,8 +22,11 @@ references() {
   awk '
     function checkSections(reference,    module, rest, key) {
       module = match(reference, /[a-z]+\/METHOD/) ? substr(reference, RSTART, RLENGTH - 7) : own_module
+      if (reference ~ /[(][.][.]\/METHOD/) module = folder[1]
       if (module == "") print where ": " reference ": of which module? (as in features/METHOD 1)"
-      for (rest = reference; module != "" && match(rest, number); rest = substr(rest, RSTART + RLENGTH)) {
+      rest = reference
+      sub(/^.*METHOD[.]md[)]/, "", rest)
+      for (; module != "" && match(rest, number); rest = substr(rest, RSTART + RLENGTH)) {
         key = module "/METHOD " substr(rest, RSTART, RLENGTH)
         if (!(key in exists)) print where ": " reference ": there is no " key
       }
@@ -34,6 +38,7 @@ references() {
           if (start + RSTART - 1 > length(here)) break  # in the next line alone
           reference = substr(text, start + RSTART - 1, RLENGTH)
           if (kind == "document") print where ": " reference ": no such document"
+          else if (kind == "own") checkSections(substr(reference, 2, length(reference) - 2))
           else checkSections(reference)
         }
     }
@@ -58,6 +63,7 @@ references() {
       # The list ends before a stop, so that in "METHOD N, 30 px" it has one number.
       pattern["section"] = "([a-z]+/)?METHOD (eqs?[.] |sections? )?" number "((" more ")+[]).,:;`])?"
       pattern["equation"] = "[Ee]qs?[.] " number "(" more ")* of ([a-z]+/)?METHOD"
+      pattern["linked"] = "METHOD([.]md)?\\]\\([a-z.\/]*METHOD[.]md\\)(, section)? " number
       pattern["document"] = "METHOD[_]MEASURED|DESIGN [0-9]|(DESIGN|ROOMS|STYLE)[.]md|[P]LATFORM|[F]INDINGS"
     }
     NR == FNR { exists[$0]; next }
@@ -65,6 +71,8 @@ references() {
       if (file) look("")
       file = FILENAME
       in_code = 0
+      delete pattern["own"]
+      if (file ~ /METHOD[.]md$/) pattern["own"] = "[(][1-9][0-9]?[.][0-9][)]"
       split(file, folder, "/")
       own_module = folder[1] == "test" || folder[2] ~ /^(localization|mapping)$/ ? folder[2] : folder[1]
       if (own_module !~ /^(features|segmentation|registration|localization|mapping)$/) own_module = ""
@@ -123,6 +131,12 @@ while IFS= read -r line; do
   echo "$line"
   dead=1
 done <<< "$found"
+# Sections of a document are 1, 2, ..., and those of a section N.1, N.2, ...: prints what breaks the order.
+disorder=$(targets | grep -v '(' | awk '
+  { last = $2; sub(/^.*[.]/, "", last); parent = $2; if (!sub(/[.][0-9]+$/, "", parent)) parent = ""
+    if (last != ++count[$1, parent] || parent != "" && !(($1, parent) in exists)) print $1, $2
+    exists[$1, $2] }')
+[[ -z $disorder ]] || { echo "sections that are not numbered in order: $disorder"; dead=1; }
 twice=$(targets | grep -v '(' | sort | uniq -d)
 [[ -z $twice ]] || { echo "sections that are there twice: $twice"; dead=1; }
 echo "$links links checked" >&2

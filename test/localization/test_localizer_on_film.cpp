@@ -142,7 +142,7 @@ TEST_F(FilmOfARoom, FollowsTheCameraAndKnowsItsError) {
   EXPECT_LT(nees, 9);  // 6 if all errors were independent; no overconfidence but by models in common
   // White noise errs less than assumed, since common errors of neighbours are allowed for, and no less than
   // that.
-  constexpr double kCorrelatedViews = 2;  // mapping/METHOD 15
+  constexpr double kCorrelatedViews = 2;  // mapping/METHOD 2
   const double caution = internal::kCorrelatedPixels * kCorrelatedViews *
                          std::pow(internal::DenseRefinementParams{}.pixel_error, 2);
   EXPECT_GT(nees, 6 / caution);

@@ -8,7 +8,7 @@
 
 namespace facetloc::internal {
 
-/** \brief How a pose that planes have found is refined by all pixels (METHOD 12). */
+/** \brief How a pose that planes have found is refined by all pixels (METHOD 11). */
 struct DenseRefinementParams {
   int iterations = 6;  ///< Gauss-Newton steps at most
   double pixel_error =

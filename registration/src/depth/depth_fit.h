@@ -12,7 +12,7 @@
 namespace facetloc::internal {
 
 /** \brief How well a picture fits others whose poses are known, as a function of its pose: minus the cost
- * that a pose has a minimum of (METHOD 12.4). All pictures must outlive it. */
+ * that a pose has a minimum of (METHOD 11.4). All pictures must outlive it. */
 class DepthFit {
 public:
   DepthFit(const DepthPicture& scene, std::vector<PosedPicture> pictures, const DepthComparison& comparison)
@@ -41,7 +41,7 @@ struct ShownInformation {
   Matrix6d information, share;
 };
 
-/** \brief The information of a registered pose by the cost itself (METHOD 12.4). Derivatives of
+/** \brief The information of a registered pose by the cost itself (METHOD 11.4). Derivatives of
  * edges and of noise feign information that the cost does not show some pixels away from its minimum; and
  * where derivatives show none, steps of the surface may. Along each principal motion, except those known to
  * millimetres, the information becomes the one of the cost.

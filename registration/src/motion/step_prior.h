@@ -29,7 +29,7 @@ SidewaysShift sidewaysShift(const PoseWithCovariance& T_before_after, const Came
 constexpr double kSidewaysStd = 0.05;
 
 /** \brief Prior of the next motion of a camera, about the share w of its latest velocity that it has been
- * seen to keep from motion to motion (METHOD 16.8): least squares of v_t = w v_(t-1) over its own certain
+ * seen to keep from motion to motion (METHOD 12.2): least squares of v_t = w v_(t-1) over its own certain
  * motions, beside a few of a camera that starts and stops at will. */
 class VelocityPrior {
 public:

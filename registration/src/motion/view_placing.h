@@ -39,7 +39,7 @@ public:
   /** \brief All poses that the views and the prior leave open, the likeliest first: the next door along a
    * corridor looks the same. In addition to the starts of place(), the cost is walked along each axis as far
    * as the prior reaches. The information of a pose comes from the cost itself, not from its derivatives
-   * alone (mapping/METHOD 14.4). Empty if the views have too little in common to say anything. */
+   * alone (mapping/METHOD 1.4). Empty if the views have too little in common to say anything. */
   std::vector<PlacedView> modes(const View& view, const View& other, const PoseWithCovariance& prior) const;
 
 private:

@@ -90,7 +90,7 @@ public:
   }
 
   /** \brief Scores the best hypotheses by the depth of the local models nearest to their world poses,
-   * whichever generated them, instead of their own model's alone (localization/METHOD 11.1). The score is the
+   * whichever generated them, instead of their own model's alone (localization/METHOD 1.1). The score is the
    * consensus minus
    *
    *     w_c (ln(1 + c / c_0) + mean ln(1 + c_m / c_0)) + w_o mean ln(1 + o_m / c_0) + w_d d   [nats]
@@ -110,7 +110,7 @@ public:
   void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses, PixelVerdicts& known) const;
 
   /** \brief Gives the first place and all that are possible, which stay where they are, the covariance that
-   * the cost shows (METHOD 12.4). \param prior T_m_c that the hypotheses were found with, positive definite
+   * the cost shows (METHOD 11.4). \param prior T_m_c that the hypotheses were found with, positive definite
    */
   void stateAsShown(const View& scene, const PoseWithCovariance& prior,
                     std::vector<Hypothesis>& hypotheses) const {
@@ -122,7 +122,7 @@ public:
                     std::vector<Hypothesis>& hypotheses) const;
 
 protected:
-  /** \param surfaces the kind of surfaces in views near a hypothesis (localization/METHOD 11.7) */
+  /** \param surfaces the kind of surfaces in views near a hypothesis (localization/METHOD 1.7) */
   explicit HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces = MapSurfaces::seen);
 
   /** \brief The views near a hypothesis that has T_w_c. */

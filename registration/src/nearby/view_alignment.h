@@ -41,7 +41,7 @@ constexpr double kCorrelatedPixels = 200;  ///< depth pixels that count as one i
 constexpr double kSignificance = 2;        ///< least information of a direction [the gradients' noise]
 
 /** \brief Alignment where the covariance counts: errors of neighbouring pixels are correlated, and directions
- * without significant information are left to the prior (METHOD 12). */
+ * without significant information are left to the prior (METHOD 11). */
 ViewAlignmentParams alignmentWithCovariance(bool as_shown = false);
 
 /** \brief Covariance of a pose about the start of an alignment that begins near its end: 3 deg, 0.1 m. */

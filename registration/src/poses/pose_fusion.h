@@ -21,14 +21,14 @@ struct PoseRadius {
 /** \brief A motion or a place that two sources agree on: views, an odometry. */
 constexpr PoseRadius kSameMotion{0.05, 2};
 /** \brief Hypotheses that are listed once. Below the tolerance that defines a correct pose, so that a wrong
- * neighbour cannot absorb the right one (localization/METHOD 11.2). */
+ * neighbour cannot absorb the right one (localization/METHOD 1.2). */
 constexpr PoseRadius kSamePlace{0.15, 2};
 /** \brief Answers that do not exclude each other: one place, found more or less well
- * (localization/METHOD 11.4). */
+ * (localization/METHOD 1.4). */
 constexpr PoseRadius kSameAnswer{0.3, 5};
-/** \brief Images from there are no second look at a surface (mapping/METHOD 14.6). */
+/** \brief Images from there are no second look at a surface (mapping/METHOD 1.6). */
 constexpr PoseRadius kSameLook{0.1, 5};
-/** \brief A pose within is not another place (localization/METHOD 11.5). */
+/** \brief A pose within is not another place (localization/METHOD 1.5). */
 constexpr PoseRadius kSameSurroundings{1, 15};
 
 /** \brief One pose by two sources with independent errors, the first not far from the second. */

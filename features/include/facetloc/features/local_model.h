@@ -69,7 +69,7 @@ struct LocalModel {
   std::optional<Eigen::Isometry3d> T_w_m;  ///< pose of S_M in the frame of its part of the map, if known
   int part = 0;                            ///< index of the part of the map
   /** \brief Score of the best wrong place for its view [nats], if the map was asked and has one
-   * (localization/METHOD 11.5). */
+   * (localization/METHOD 1.5). */
   std::optional<double> alias_score{};
   bool by_links = false;  ///< T_w_m follows from the map's links (placeByLinks()), and was not given
 

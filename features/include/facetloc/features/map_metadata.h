@@ -16,7 +16,7 @@ namespace facetloc {
  */
 constexpr const char* kSurfacesKey = "surfaces";
 
-/** \brief The surfaces that a map holds (localization/METHOD 11.7). */
+/** \brief The surfaces that a map holds (localization/METHOD 1.7). */
 enum class MapSurfaces {
   seen,        ///< as a camera or scanner saw them: all surfaces of a day, some of which people move
   fixed,       ///< as drawn: the surfaces that stay; people put other things before them
@@ -30,7 +30,7 @@ MapSurfaces surfacesOf(const Map& map);
 void setSurfaces(MapSurfaces surfaces, Map& map);
 
 /** \brief Whether a map lacks surfaces: objects in front of its surfaces, as furniture before a wall,
- * do not contradict it; objects seen through them do (localization/METHOD 11.7). */
+ * do not contradict it; objects seen through them do (localization/METHOD 1.7). */
 inline bool lacksSurfaces(const Map& map) { return surfacesOf(map) == MapSurfaces::incomplete; }
 
 /** \brief Key of a map's meta data: the names of the local models that were rendered from the depth pictures
@@ -44,7 +44,7 @@ std::vector<char> renderedViews(const Map& map);
 constexpr const char* kSureKey = "sure";
 
 /** \brief Least probability of sure answers in a map, with a bound on the share of wrong ones among them,
- * as found by SureCalibration (localization/METHOD 11.6). Holds for single images like those that it was
+ * as found by SureCalibration (localization/METHOD 1.6). Holds for single images like those that it was
  * found with. */
 struct SureThreshold {
   double min_probability = 1;  ///< range (0, 1]

@@ -60,7 +60,7 @@ struct ScoreCalibration {
   }
 };
 
-/** \brief Evidence of the local models nearest to a place (localization/METHOD 11). */
+/** \brief Evidence of the local models nearest to a place (localization/METHOD 1). */
 struct EvidenceCalibration {
   static constexpr const char* kTitle = "Weight of the evidence of nearby local models";
   double hopeless_odds = 0.003;
@@ -90,7 +90,7 @@ struct EvidenceCalibration {
   }
 };
 
-/** \brief How pixels are compared at a pose that all of them have refined (localization/METHOD 11.4). */
+/** \brief How pixels are compared at a pose that all of them have refined (localization/METHOD 1.3). */
 struct RefinedDepthCalibration {
   static constexpr const char* kTitle = "Comparison of depth pictures at a refined pose";
   double absolute_error = 1.6;
@@ -110,7 +110,7 @@ struct RefinedDepthCalibration {
 };
 
 /** \brief Calibration from scores to probabilities, for places with evidence of nearby local models
- * (localization/METHOD 11.5). */
+ * (localization/METHOD 1.5). */
 struct ProbabilityCalibration {
   static constexpr const char* kTitle = "Probability of a place with evidence of nearby local models";
   double slope = 0.09;
@@ -188,7 +188,7 @@ struct PairProbabilityCalibration {
   }
 };
 
-/** \brief How the views of a sequence add up to a belief (localization/METHOD 16). */
+/** \brief How the views of a sequence add up to a belief (localization/METHOD 3). */
 struct SequenceCalibration {
   static constexpr const char* kTitle = "Weight of a view in a sequence";
   double independent_distance = 0.5;

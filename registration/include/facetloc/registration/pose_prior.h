@@ -70,7 +70,7 @@ struct OdometryError {
 };
 
 /** \brief A motion of the camera that an odometry has measured, T_before_now, with its covariance
- * (mapping/METHOD 14.4): in the floor plane for a camera that is mounted on a robot, whose wheels tell
+ * (mapping/METHOD 1.4): in the floor plane for a camera that is mounted on a robot, whose wheels tell
  * nothing of how it leans on an uneven floor; isotropic without a mounting. */
 PoseWithCovariance motionByOdometry(const Eigen::Isometry3d& T_before_now,
                                     const std::optional<CameraMounting>& mounting,

@@ -166,7 +166,7 @@ struct PlaceRefinementParams {
 };
 
 /** \brief Limits on the uncertainty of a pose that one may act on. A sure answer is within them, whatever its
- * probability (localization/METHOD 11.8). */
+ * probability (localization/METHOD 1.8). */
 struct PoseLimits {
   static constexpr const char* kTitle = "Uncertainty of a sure answer";
   double max_translation = 0.3;

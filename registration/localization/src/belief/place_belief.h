@@ -29,7 +29,7 @@ struct BelievedPlace {
 };
 
 /** \brief The belief by all views of a moving camera: Gaussian places with their odds
- * against that it is nowhere in the map (METHOD 16.6).
+ * against that it is nowhere in the map (METHOD 3.5).
  *
  * A place moves with the camera. Each view adds its log odds at this very pose to those of the place, as the
  * ranking of a search weighs it. Errors of views close to each other are correlated: a look counts by
@@ -118,7 +118,7 @@ private:
   int threads_ = 1;
 };
 
-/** \brief The places of a view by the views up to it and by those from the next one on (METHOD 16.7): most
+/** \brief The places of a view by the views up to it and by those from the next one on (METHOD 3.6): most
  * probable first, with `nowhere` and `looks`; state and reason are left to the caller.
  * \param prior log odds that the map holds a place, which both answers have in them [nats] */
 Localization smoothedPlaces(const Localization& until_now, const Localization& from_next,

@@ -49,7 +49,7 @@ struct FollowedPlace {
 };
 
 /** \brief Follows a camera from view to view at a place that is known, between the looks of a belief: by the
- * planes and pixels of the local models around it, and a robot by its floor (METHOD 16.2 to 16.5). */
+ * planes and pixels of the local models around it, and a robot by its floor (METHOD 3.1 to 3.4). */
 class PlaceFollowing {
 public:
   PlaceFollowing(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);

@@ -51,7 +51,7 @@ public:
 
   /** \brief Localizes without the excluded local models. For callers that weigh the answers further:
    * covariances are by the derivatives of planes and pixels alone, not by the shape of the cost
-   * (registration/METHOD 12.4). */
+   * (registration/METHOD 11.4). */
   Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
 
   /** \brief Prior of the pose of a view relative to each local model, from the mounting of its camera. */

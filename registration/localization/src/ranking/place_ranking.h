@@ -29,7 +29,7 @@ public:
   /** \brief Odds by the score of a place that was known before the view, and therefore is not the best of
    * many. With evidence, S_0 lies between least_null_score and the score of wrong matches, nearer to that by
    * their weight from 0 to 1; those of the local models around the place have a share from 0 to 1 in it,
-   * those of the whole map the rest (METHOD 16.6). */
+   * those of the whole map the rest (METHOD 3.5). */
   ScoreOdds oddsOfKnown(bool evidence, double lookalike_weight, double share_of_place,
                         const Hypothesis& place) const;
 

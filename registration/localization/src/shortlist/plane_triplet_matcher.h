@@ -37,7 +37,7 @@ struct Overlay {
   bool exists() const { return score > std::numeric_limits<float>::lowest(); }
 };
 
-/** \brief A quick look whether two views of a camera in any attitude may show the same place (METHOD 13.7):
+/** \brief A quick look whether two views of a camera in any attitude may show the same place (METHOD 2.7):
  * about a hundredth of the work of a registration.
  *
  * Three planes of the scene whose normals span space, laid over three of the model that meet at the same

@@ -10,7 +10,7 @@
 /** \file
  * A map is asked about itself: how much do wrong places score in it? Nothing else tells a place that
  * looks like many from one that looks like no other where the map does not hold the right one
- * (localization/METHOD 11.5).
+ * (localization/METHOD 1.5).
  */
 
 namespace facetloc::internal {

@@ -44,7 +44,7 @@ struct GraphPoses {
  * std::invalid_argument if an edge joins an invalid node. */
 std::vector<int> partsOf(const PoseGraph& graph);
 
-/** \brief Least squares over the edges' covariances by Ceres Solver (Agarwal, Mierle et al.), METHOD 14.3.
+/** \brief Least squares over the edges' covariances by Ceres Solver (Agarwal, Mierle et al.), METHOD 1.3.
  *
  * Edges that may be wrong, and the floor, have Cauchy's weight beyond the 95 % ellipsoid. The same graph
  * gives the same poses. \param with_covariances otherwise they are zero Throws std::invalid_argument for an

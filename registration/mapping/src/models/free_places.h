@@ -56,7 +56,7 @@ struct FreePlaces {
 using ForEach = std::function<void(std::size_t n, const std::function<void(std::size_t)>&)>;
 
 /** \brief Positions in a grid from which the surroundings are known, that are free, above a floor, and
- * connected to at least 2 m^2 of such positions: indoors, in rooms and not in furniture (METHOD 18.2). */
+ * connected to at least 2 m^2 of such positions: indoors, in rooms and not in furniture (METHOD 3.2). */
 FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach);
 
 }  // namespace facetloc::internal

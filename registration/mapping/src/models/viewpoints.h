@@ -22,7 +22,7 @@ struct ViewpointSearch {
   MapProgressCallback progress;
 };
 
-/** \brief Viewpoints for that camera (METHOD 18). Fills in findings. */
+/** \brief Viewpoints for that camera (METHOD 3). Fills in findings. */
 std::vector<Eigen::Isometry3d> findViewpoints(const ViewpointSearch& search, const ModelMapParams& params,
                                               ModelFindings& findings);
 

@@ -9,7 +9,7 @@ namespace facetloc::internal {
 
 /** \brief Finds a trajectory in a map: its keyframes are localized, of the sure answers the largest set is
  * taken in which all agree on one place, and the trajectory is bent to them in a pose graph, in which the map
- * stays as it is (METHOD 14.5). The same for any number of threads. */
+ * stays as it is (METHOD 1.5). The same for any number of threads. */
 SessionPlace placeInMap(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
                         const MapSessionParams& params, int threads = 1,
                         const MapProgressCallback& progress = {});

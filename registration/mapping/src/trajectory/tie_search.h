@@ -22,7 +22,7 @@ struct TieSearch {
 };
 
 /** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for
- * each keyframe the earlier ones whose planes overlay best (localization/METHOD 13.7). Of many keyframes with
+ * each keyframe the earlier ones whose planes overlay best (localization/METHOD 2.7). Of many keyframes with
  * a known mounting, only the most similar ones by a PlaceIndex are overlaid.
  *
  * \param first number of the first keyframe that pairs are formed with */

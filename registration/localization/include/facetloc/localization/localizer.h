@@ -32,9 +32,9 @@ struct DriveView {
  *
  * Holds a belief: places with covariances and odds, and that the camera is nowhere in the map. It moves with
  * the camera, by the views themselves and by an odometry if there is one, and every view that is new enough
- * is compared with each of its places and registered near them, where it may fit better (METHOD 16.6). As
+ * is compared with each of its places and registered near them, where it may fit better (METHOD 3.5). As
  * long as no place is sure, such views are searched in the whole map. Between them, a place that holds nearly
- * all of the belief is followed by the planes and pixels around it, and a robot by its floor (METHOD 16.2). A
+ * all of the belief is followed by the planes and pixels around it, and a robot by its floor (METHOD 3.1). A
  * view that is sure on its own, of the first place, makes the answer sure. A view that fixes no pose still
  * excludes places; views that repeat the same add nothing. Its size does not grow
  * with time. Same views, stamps and odometry, same answers, for any number of threads. */
@@ -65,7 +65,7 @@ public:
   /** \brief The same for a depth image with its intrinsics; of several pixels one, to be about 320 wide. */
   Localization update(const DepthImage& image, double stamp,
                       const std::optional<PoseWithCovariance>& motion = {});
-  /** \brief The places of all views of a drive by all of them, later ones included (METHOD 16.7), in their
+  /** \brief The places of all views of a drive by all of them, later ones included (METHOD 3.6), in their
    * order. Takes as long as the drive did, and remembers nothing. \param drive its views as update() of an
    * object with this map and these parameters took them \param done is called after each view, and may throw
    */

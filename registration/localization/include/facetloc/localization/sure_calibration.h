@@ -19,7 +19,7 @@ struct RightPose {
 };
 
 /** \brief Sets the probability from which on answers are sure, so that at most a share alpha of them is
- * wrong: Learn then Test (Angelopoulos, Bates, Candes, Jordan, Lei, 2021; METHOD 11.6).
+ * wrong: Learn then Test (Angelopoulos, Bates, Candes, Jordan, Lei, 2021; METHOD 1.6).
  *
  *     facetloc::SureCalibration calibration(0.01);
  *     for (...) calibration.add(answer.hypotheses.front().probability, isRight(answer));

@@ -45,7 +45,7 @@ struct Densification {
 
 /** \brief Adds local models where no image was taken: beside the drive, and in other directions.
  *
- * The depth pictures of the map, fused, are a surface (METHOD 14.7), of which views are rendered at places
+ * The depth pictures of the map, fused, are a surface (METHOD 1.7), of which views are rendered at places
  * that the pictures have seen to be free. Those of which enough is known become local models, each with a
  * link to the view that it was rendered beside. Surfaces that no picture shows are unknown in them. Views of
  * an earlier call are removed first. The ambiguity of the map and the threshold of sure answers are unknown

@@ -56,7 +56,7 @@ struct FloorPlanParams {
   void validate() const { checkRanges(*this); }
 };
 
-/** \brief Mesh of the walls of a floor plan, in the world of the grid, its floor at z = 0 [m] (METHOD 19.1).
+/** \brief Mesh of the walls of a floor plan, in the world of the grid, its floor at z = 0 [m] (METHOD 4.1).
  *
  * The outlines of the occupied cells are straightened: each side passes every edge of a cell that it stands
  * for within half a cell, and there are as few sides as that allows; so that a wall is one plane in its own

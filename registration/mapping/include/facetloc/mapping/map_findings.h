@@ -51,7 +51,7 @@ std::optional<SeenFloor> findFloor(const Map& map);
  * segments and poses are read */
 std::optional<FoundMounting> findMounting(const Map& map);
 
-/** \brief Bend of surfaces that ought to be flat (mapping/METHOD 15.1). */
+/** \brief Bend of surfaces that ought to be flat (mapping/METHOD 2.1). */
 struct SurfaceBend {
   double ray_exponent = 0;      ///< depths as read are z times this power of the length of the ray (b_z = 1):
                                 ///< 0 for z, 1 for distances along the rays
@@ -62,7 +62,7 @@ struct SurfaceBend {
   double flat_share = 0;      ///< expected share of the image that the surface of a pixel covers
 };
 
-/** \brief Intrinsics by which most surfaces that are nearly perpendicular are exactly so (METHOD 15.2). */
+/** \brief Intrinsics by which most surfaces that are nearly perpendicular are exactly so (METHOD 2.2). */
 struct RightAngles {
   std::size_t pairs = 0;                         ///< pairs of surfaces, each in one image
   double share_as_given = 0, share_by_best = 0;  ///< weight of the pairs that are perpendicular

@@ -118,7 +118,7 @@ public:
 
   /** \brief Brings a map up to date: surfaces that several images of the session have looked through retire,
    * local models that have lost much are replaced, and places that no local model shows become new ones
-   * (METHOD 14.6). Its ambiguity is unknown afterwards if anything has changed.
+   * (METHOD 1.6). Its ambiguity is unknown afterwards if anything has changed.
    * \param map a copy of the session's, with its views in memory (readMap()) */
   MapChanges update(Map& map) const;
 

@@ -47,7 +47,7 @@ struct SurfaceAxis {
 /** \brief The upward direction of a surface and the height of its rooms, as visible from inside.
  *
  * Floors and ceilings are larger planes than walls. Furniture stands on floors: more of its surfaces face
- * upwards, and scans lack ceilings rather than floors (METHOD 18.4). */
+ * upwards, and scans lack ceilings rather than floors (METHOD 3.4). */
 struct SurfaceOrientation {
   std::vector<SurfaceAxis> axes;  ///< the best supported first; empty if the surface has no planes
 

@@ -83,7 +83,7 @@ struct CameraTrajectory {
 
 /** \brief Finds the trajectory of a depth camera, and nothing else is known: from image to image by
  * ViewOdometry, from keyframe to keyframe by planes and pixels from several starts, and back to where it was
- * by loops that confirm each other, all joined in a pose graph (METHOD 14.4).
+ * by loops that confirm each other, all joined in a pose graph (METHOD 1.4).
  *
  *     facetloc::TrajectoryEstimation estimation;
  *     for (...) estimation.add(view, stamp);
