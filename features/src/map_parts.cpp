@@ -48,7 +48,7 @@ public:
         next_.push({cost_[way.to], way.to});
         LocalModel& model = map_.models[way.to];
         // Orthonormal, however long the path.
-        model.T_w_m = perturbed(*map_.models[from].T_w_m * way.T_from_to, Vector6d::Zero());
+        model.T_w_m = boxplus(*map_.models[from].T_w_m * way.T_from_to, Vector6d::Zero());
         model.part = map_.models[from].part;
         model.by_links = true;
       }

@@ -74,21 +74,21 @@ bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double trans
          rotationAngle(a.linear() * b.linear().transpose()) <= rotation_deg * kDegree;
 }
 
-Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d) {
+Eigen::Isometry3d boxplus(const Eigen::Isometry3d& T, const Vector6d& d) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
   out.linear() = Eigen::Quaterniond(expSO3(d.head<3>()) * T.linear()).normalized().toRotationMatrix();
   out.translation() = T.translation() + d.tail<3>();
   return out;
 }
 
-Vector6d perturbation(const Eigen::Isometry3d& T0, const Eigen::Isometry3d& T) {
+Vector6d boxminus(const Eigen::Isometry3d& T, const Eigen::Isometry3d& T0) {
   Vector6d d;
   d << logSO3(T.linear() * T0.linear().transpose()), T.translation() - T0.translation();
   return d;
 }
 
 double squaredMahalanobis(const PoseWithCovariance& pose, const Eigen::Isometry3d& T) {
-  const Vector6d d = perturbation(pose.T, T);
+  const Vector6d d = boxminus(T, pose.T);
   return d.dot(pose.P.ldlt().solve(d));
 }
 

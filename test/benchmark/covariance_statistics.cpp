@@ -11,7 +11,7 @@ namespace facetloc::benchmarks {
 
 void CovarianceStatistics::add(const PoseWithCovariance& pose, const Eigen::Isometry3d& T_true,
                                const Matrix6d& truth) {
-  const Vector6d e = perturbation(pose.T, T_true);
+  const Vector6d e = boxminus(T_true, pose.T);
   const Matrix6d P = pose.P + truth;
   const Eigen::LLT<Matrix6d> root(P);
   if (!P.allFinite() || root.info() != Eigen::Success) {

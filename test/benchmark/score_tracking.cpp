@@ -104,7 +104,7 @@ Score track(const Floor& floor, const Options& options) {
     bool good = false;
     double nees = 0;
     if (pose.T_w_c) {
-      e = perturbation(pose.T_w_c->T, floor.truth[k]);
+      e = boxminus(floor.truth[k], pose.T_w_c->T);
       good = e.tail<3>().norm() <= kGoodTranslation && e.head<3>().norm() <= kGoodRotation;
       nees = e.dot(pose.T_w_c->P.ldlt().solve(e));
     }

@@ -41,9 +41,8 @@ CovarianceStatistics statisticsOf(const Matrix6d& errors, const Matrix6d& stated
   std::mt19937 random(1);
   CovarianceStatistics all;
   for (int i = 0; i < kPoses; ++i) {
-    const Eigen::Isometry3d T_true =
-        perturbed(somePose(), drawn(truth + 1e-12 * Matrix6d::Identity(), random));
-    all.add({perturbed(somePose(), -drawn(errors, random)), stated}, T_true, truth);
+    const Eigen::Isometry3d T_true = boxplus(somePose(), drawn(truth + 1e-12 * Matrix6d::Identity(), random));
+    all.add({boxplus(somePose(), -drawn(errors, random)), stated}, T_true, truth);
   }
   return all;
 }

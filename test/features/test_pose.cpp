@@ -13,28 +13,28 @@ namespace {
 
 using test::gaussian, test::IsRotation, test::MatrixNear, test::PoseNear, test::randomDirection, test::Rng;
 
-TEST(Pose, PerturbationUndoesPerturbed) {
+TEST(Pose, BoxminusUndoesBoxplus) {
   Rng rng(8);
   for (int i = 0; i < 100; ++i) {
     const Eigen::Isometry3d T = test::randomPose(rng, 3, 5);
     Vector6d d = gaussian<6>(rng);
     d.head<3>() *= 0.5;
-    const Eigen::Isometry3d moved = perturbed(T, d);
-    EXPECT_THAT(perturbation(T, moved), MatrixNear(d, 1e-12));
-    EXPECT_THAT(perturbed(T, Vector6d::Zero()), PoseNear(T, 0, 1e-12));
+    const Eigen::Isometry3d moved = boxplus(T, d);
+    EXPECT_THAT(boxminus(moved, T), MatrixNear(d, 1e-12));
+    EXPECT_THAT(boxplus(T, Vector6d::Zero()), PoseNear(T, 0, 1e-12));
     // Left and decoupled: the rotation error is in the outer frame, the position moves by d t alone.
     EXPECT_THAT(moved.linear(), MatrixNear(expSO3(d.head<3>()) * T.linear(), 1e-14));
     EXPECT_THAT(moved.translation(), MatrixNear(T.translation() + d.tail<3>(), 1e-15));
   }
 }
 
-TEST(Pose, APosePerturbedAgainAndAgainStaysAPose) {
+TEST(Pose, APoseMovedAgainAndAgainStaysAPose) {
   Rng rng(11);
   Eigen::Isometry3d T = test::randomPose(rng, 3, 5), other = T;
   for (int i = 0; i < 100000; ++i) {
-    const Eigen::Isometry3d motion = other.inverse() * perturbed(T, 0.01 * gaussian<6>(rng));
+    const Eigen::Isometry3d motion = other.inverse() * boxplus(T, 0.01 * gaussian<6>(rng));
     other = T;
-    T = perturbed(T * motion, Vector6d::Zero());  // its error would double with each
+    T = boxplus(T * motion, Vector6d::Zero());  // its error would double with each
   }
   EXPECT_THAT(T.linear().eval(), IsRotation());
 }
@@ -53,9 +53,9 @@ TEST(Pose, MahalanobisDistanceCountsInStandardDeviations) {
   pose.P.diagonal() << 0.01, 0.04, 0.09, 0.25, 1, 4;
   Vector6d d;
   d << 0.1, -0.2, 0.3, 0.5, -1, 2;  // each one standard deviation
-  EXPECT_NEAR(squaredMahalanobis(pose, perturbed(pose.T, 2 * d)), 4 * 6, 1e-9);
+  EXPECT_NEAR(squaredMahalanobis(pose, boxplus(pose.T, 2 * d)), 4 * 6, 1e-9);
   EXPECT_EQ(squaredMahalanobis(pose, pose.T), 0);
-  PoseWithCovariance other{perturbed(pose.T, 2 * d), 3 * pose.P};
+  PoseWithCovariance other{boxplus(pose.T, 2 * d), 3 * pose.P};
   EXPECT_NEAR(squaredMahalanobis(pose, other), 6, 1e-9) << "the errors of both";
 }
 
@@ -68,7 +68,7 @@ TEST(Pose, MahalanobisDistanceIsChiSquare) {
   const Matrix6d L = pose.P.llt().matrixL();
   constexpr int kTrials = 20000;
   double sum = 0;
-  for (int i = 0; i < kTrials; ++i) sum += squaredMahalanobis(pose, perturbed(T, L * gaussian<6>(rng)));
+  for (int i = 0; i < kTrials; ++i) sum += squaredMahalanobis(pose, boxplus(T, L * gaussian<6>(rng)));
   EXPECT_NEAR(sum / kTrials, 6, 0.1);  // standard deviation of the mean: 0.024
 }
 
@@ -79,9 +79,7 @@ TEST(Pose, APoseInAnotherFrameHasThePerturbationOfThatFrame) {
     Matrix6d root;
     for (int k = 0; k < 6; ++k) root.col(k) = gaussian<6>(rng);
     const Matrix6d P = root * root.transpose();
-    const auto inA = [&](const Vector6d& d) {
-      return perturbation(T_a_b * T_b_c, T_a_b * perturbed(T_b_c, d));
-    };
+    const auto inA = [&](const Vector6d& d) { return boxminus(T_a_b * boxplus(T_b_c, d), T_a_b * T_b_c); };
     const Matrix6d J = test::numericJacobian<6, 6>(inA, Vector6d::Zero().eval());
     const PoseWithCovariance T_a_c = T_a_b * PoseWithCovariance{T_b_c, P};
     EXPECT_THAT(T_a_c.T, PoseNear(T_a_b * T_b_c, 1e-12, 1e-12));
@@ -96,9 +94,7 @@ TEST(Pose, TheInverseHasThePerturbationOfTheOtherFrame) {
     Matrix6d root;
     for (int k = 0; k < 6; ++k) root.col(k) = gaussian<6>(rng);
     const Matrix6d P = root * root.transpose();
-    const auto inverted = [&](const Vector6d& d) {
-      return perturbation(T.inverse(), perturbed(T, d).inverse());
-    };
+    const auto inverted = [&](const Vector6d& d) { return boxminus(boxplus(T, d).inverse(), T.inverse()); };
     const Matrix6d J = test::numericJacobian<6, 6>(inverted, Vector6d::Zero().eval());
     EXPECT_THAT(inverse({T, P}).T, PoseNear(T.inverse(), 1e-12, 1e-12));
     EXPECT_THAT(inverse({T, P}).P, MatrixNear(J * P * J.transpose(), 1e-7 * P.norm()));
@@ -112,7 +108,7 @@ Matrix6d randomCovariance(Rng& rng, double scale) {
   return scale * scale * (A * A.transpose() / 6 + 0.1 * Matrix6d::Identity());
 }
 
-/** Compares samples d = perturbation(T, of a sample) with a covariance. */
+/** Compares samples d = boxminus(sample, T) with a covariance. */
 template <class Sample>
 void expectCovariance(const Matrix6d& P, const Sample& sample) {
   constexpr int kSamples = 40000;
@@ -133,8 +129,8 @@ TEST(Pose, TheErrorOfAProductIsThatOfItsFactors) {
   const Matrix6d La = a.P.llt().matrixL(), Lb = b.P.llt().matrixL();
   expectCovariance(product.P, [&] {
     const Eigen::Isometry3d T =
-        perturbed(a.T, La * test::gaussian<6>(rng)) * perturbed(b.T, Lb * test::gaussian<6>(rng));
-    return perturbation(product.T, T);
+        boxplus(a.T, La * test::gaussian<6>(rng)) * boxplus(b.T, Lb * test::gaussian<6>(rng));
+    return boxminus(T, product.T);
   });
   // The covariance of an exact first factor only turns the second one's.
   const PoseWithCovariance exact = PoseWithCovariance{a.T, Matrix6d::Zero()} * b;

@@ -87,7 +87,7 @@ TEST_F(MapExport, TheInformationOfAnEdgeIsThatOfG2osError) {
   for (int axis = 0; axis < 6; ++axis) {
     Vector6d d = Vector6d::Constant(1e-5);
     d[axis] = -5e-5;
-    const Vector6d e = g2oError(link.T, perturbed(link.T, d));
+    const Vector6d e = g2oError(link.T, boxplus(link.T, d));
     const double ours = d.dot(link.P.inverse() * d), theirs = e.dot(information * e);
     EXPECT_NEAR(theirs, ours, 1e-3 * ours);
   }

@@ -120,7 +120,7 @@ TEST_F(Results, RoundTrip) {
   EXPECT_EQ(rows[0].model, "room, left \"side\"");
   EXPECT_NEAR(rows[0].probability, 1.0 / 3, 1e-9);
   EXPECT_EQ(rows[0].score, -12.5);
-  EXPECT_LT(perturbation(frames[0].rows[0].T_m_c, rows[0].T_m_c).norm(), 1e-8);
+  EXPECT_LT(boxminus(rows[0].T_m_c, frames[0].rows[0].T_m_c).norm(), 1e-8);
   ASSERT_TRUE(rows[0].T_w_c);
   EXPECT_EQ(rows[0].T_w_c->translation().y(), 8);
   EXPECT_FALSE(rows[1].T_w_c);

@@ -51,7 +51,7 @@ TEST(Trajectory, RoundTrips) {
   ASSERT_EQ(read.poses().size(), 2u);
   for (int i = 0; i < 2; ++i) {
     EXPECT_NEAR(read.poses()[i].stamp, poses[i].stamp, 1e-6);
-    EXPECT_LT(perturbation(poses[i].T_w_c, read.poses()[i].T_w_c).head<3>().norm(), 1e-8);
+    EXPECT_LT(boxminus(read.poses()[i].T_w_c, poses[i].T_w_c).head<3>().norm(), 1e-8);
     EXPECT_TRUE(read.poses()[i].T_w_c.translation().isApprox(poses[i].T_w_c.translation(), 1e-8));
   }
 }

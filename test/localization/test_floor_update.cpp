@@ -106,8 +106,8 @@ TEST(FloorUpdate, IsTheInformationFilterOfTheNumericJacobian) {
     constexpr double kStep = 1e-6;
     Eigen::Matrix<double, 3, 6> H;
     for (int i = 0; i < 6; ++i)
-      H.col(i) = (ofTheRobot(perturbed(prior.T, kStep * Vector6d::Unit(i))) -
-                  ofTheRobot(perturbed(prior.T, -kStep * Vector6d::Unit(i)))) /
+      H.col(i) = (ofTheRobot(boxplus(prior.T, kStep * Vector6d::Unit(i))) -
+                  ofTheRobot(boxplus(prior.T, -kStep * Vector6d::Unit(i)))) /
                  (2 * kStep);
     FloorPlane floor;
     floor.covariance = 1e-4 * Eigen::Vector3d(1, 2, 3).asDiagonal();
@@ -130,7 +130,7 @@ TEST(FloorUpdate, IsTheInformationFilterOfTheNumericJacobian) {
     const PoseWithCovariance found = updatedByFloor(prior, kMounting, floor, covariance, kRepeated);
     EXPECT_THAT(found.P, MatrixNear(P, 1e-6 * P.norm())) << trial;
     EXPECT_THAT(found.P, IsPositiveSemidefinite(1e-12)) << trial;
-    EXPECT_THAT(perturbation(prior.T, found.T), MatrixNear(step, 1e-6)) << trial;
+    EXPECT_THAT(boxminus(found.T, prior.T), MatrixNear(step, 1e-6)) << trial;
   }
 }
 

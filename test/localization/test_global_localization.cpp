@@ -235,7 +235,7 @@ TEST_F(LocalizationInARoom, NewImagesWhosePlanesFixThePoseAreFound) {
     const Localization answer = localization.localize(view);
     bool is_correct = false;
     if (!answer.hypotheses.empty()) {
-      const Vector6d e = perturbation(truth, *answer.hypotheses[0].T_w_c);
+      const Vector6d e = boxminus(*answer.hypotheses[0].T_w_c, truth);
       is_correct = e.head<3>().norm() < 2 * kDegree && e.tail<3>().norm() < 0.2;
       confident_and_wrong += !is_correct && answer.hypotheses[0].probability > 0.9;
     }
@@ -261,7 +261,7 @@ TEST_F(LocalizationInARoom, TheListIsSortedMergedAndItsProbabilitiesLeaveRoomFor
     EXPECT_NEAR(h.score, h.consensus + h.evidence + support, 1e-9);
     for (std::size_t k = 0; k < i; ++k) {
       EXPECT_LE(h.score, answer.hypotheses[k].score);
-      const Vector6d e = perturbation(*answer.hypotheses[k].T_w_c, *h.T_w_c);
+      const Vector6d e = boxminus(*h.T_w_c, *answer.hypotheses[k].T_w_c);
       EXPECT_TRUE(e.head<3>().norm() > 2 * kDegree || e.tail<3>().norm() > 0.15);
     }
   }

@@ -630,7 +630,7 @@ TEST_F(BeliefInARoom, ViewsThatLookThroughTheMapSpeakAgainstAPlaceBeyondDoubt) {
 
 TEST_F(BeliefInARoom, TheViewIsAskedNearAPlaceThatIsWrong) {
   PlaceBelief belief(map, {}, {});
-  const Eigen::Isometry3d off = perturbed(truth[0], (Vector6d() << 0, 0, 0.2, 0.35, -0.2, 0).finished());
+  const Eigen::Isometry3d off = boxplus(truth[0], (Vector6d() << 0, 0, 0.2, 0.35, -0.2, 0).finished());
   PoseWithCovariance wrong{off, 1e-4 * Matrix6d::Identity()};
   wrong.P.diagonal().tail<3>().setConstant(0.04);
   wrong.P.diagonal().head<3>().setConstant(0.01);

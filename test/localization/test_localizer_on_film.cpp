@@ -79,11 +79,11 @@ protected:
   }
   static bool isGood(const Localization& pose, const Eigen::Isometry3d& truth) {
     if (!pose.T_w_c) return false;
-    const Vector6d e = perturbation(pose.T_w_c->T, truth);
+    const Vector6d e = boxminus(truth, pose.T_w_c->T);
     return e.head<3>().norm() < 1 * kDegree && e.tail<3>().norm() < 0.05;
   }
   static bool isWithinItsError(const PoseWithCovariance& pose, const Eigen::Isometry3d& truth) {
-    return perturbation(pose.T, truth).tail<3>().norm() < largestTranslationStd(pose.P);
+    return boxminus(truth, pose.T).tail<3>().norm() < largestTranslationStd(pose.P);
   }
 
   static inline std::shared_ptr<Map> map;
@@ -134,7 +134,7 @@ TEST_F(FilmOfARoom, FollowsTheCameraAndKnowsItsError) {
     EXPECT_EQ(pose.reason, "");
     ASSERT_TRUE(pose.T_w_c);
     EXPECT_THAT(pose.T_w_c->T, PoseNear(drive->truth[i], 0.05, 1));
-    const Vector6d e = perturbation(pose.T_w_c->T, drive->truth[i]);
+    const Vector6d e = boxminus(drive->truth[i], pose.T_w_c->T);
     nees += e.dot(pose.T_w_c->P.ldlt().solve(e)) / kViews;
     translation += e.tail<3>().norm() / kViews;
   }
@@ -176,8 +176,8 @@ TEST_F(FilmOfARoom, TheMatchedModelIsDrawnAsItIs) {
   constexpr int kDraws = 20000;
   Matrix6d drawn = Matrix6d::Zero();
   for (int i = 0; i < kDraws; ++i) {
-    const Eigen::Isometry3d T_w_c = perturbed(last_.T_w_c->T, test::gaussian<6>(rng, last_.T_w_c->P));
-    const Vector6d d = perturbation(match.T_m_c.T, model.T_w_m->inverse() * T_w_c);
+    const Eigen::Isometry3d T_w_c = boxplus(last_.T_w_c->T, test::gaussian<6>(rng, last_.T_w_c->P));
+    const Vector6d d = boxminus(model.T_w_m->inverse() * T_w_c, match.T_m_c.T);
     drawn += d * d.transpose() / kDraws;
   }
   EXPECT_THAT(drawn, MatrixNear(match.T_m_c.P, 0.05 * match.T_m_c.P.diagonal().maxCoeff()));
@@ -447,7 +447,7 @@ TEST_F(FilmOfACorridor, ThePositionAlongItIsDegenerate) {
     if (i < 2) continue;
     ASSERT_TRUE(pose.T_w_c) << i << ": " << pose.reason;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shift(pose.T_w_c->P.bottomRightCorner<3, 3>());
-    const Vector6d e = perturbation(pose.T_w_c->T, poses[i]);
+    const Vector6d e = boxminus(poses[i], pose.T_w_c->T);
     EXPECT_LT(e.head<3>().norm(), 1 * kDegree) << i;
     EXPECT_LT(std::hypot(e[3], e[5]), 0.03) << i;
     EXPECT_LT(std::abs(e[4]), 4 * std::sqrt(pose.T_w_c->P(4, 4))) << i;

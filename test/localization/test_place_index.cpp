@@ -111,7 +111,7 @@ TEST_F(PlaceIndexOfRooms, CandidatesHaveApproximatePoses) {
       if (c.model >= kViews) continue;  // model of another room
       ASSERT_TRUE(c.start);
       EXPECT_TRUE(c.start->linear().isUnitary(1e-9));
-      const Vector6d e = perturbation(*c.start, map->models[c.model].T_w_m->inverse() * truth);
+      const Vector6d e = boxminus(map->models[c.model].T_w_m->inverse() * truth, *c.start);
       near += e.head<3>().norm() < 5 * kDegree && e.tail<3>().norm() < 0.4;
       ++all;
     }

@@ -60,7 +60,7 @@ protected:
       Vector6d d;
       for (int i = 0; i < 6; ++i)
         d[i] = (i < 3 ? accuracy.rotation_std : accuracy.translation_std) * normal(rng);
-      p.T_w_c = perturbed(p.T_w_c, d);
+      p.T_w_c = boxplus(p.T_w_c, d);
     }
   }
   /** Root mean square over the image [1/m]. */

@@ -85,12 +85,12 @@ TEST(MapBuilder, TheErrorOfALinkIsThatOfBothPoses) {
     Vector6d error = test::gaussian<6>(rng);
     error.head<3>() *= params.pose_rotation_std_deg * kDegree;
     error.tail<3>() *= params.pose_translation_std;
-    return perturbed(T, error);
+    return boxplus(T, error);
   };
   constexpr int kTrials = 20000;
   Matrix6d sampled = Matrix6d::Zero();
   for (int i = 0; i < kTrials; ++i) {
-    const Vector6d e = perturbation(link.T_from_to.T, given(a).inverse() * given(b));
+    const Vector6d e = boxminus(given(a).inverse() * given(b), link.T_from_to.T);
     sampled += e * e.transpose() / kTrials;
   }
   const Matrix6d inverse = link.T_from_to.P.inverse();

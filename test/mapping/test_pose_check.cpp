@@ -32,7 +32,7 @@ std::vector<SeenMotion> seenMotions(double scale = 1) {
     Vector6d error;
     for (int k = 0; k < 6; ++k) error[k] = (k < 3 ? 0.3 * kDegree : 0.005) * normal(random);
     if (i % 10 == 9) error *= 200;
-    SeenMotion motion{a, b, perturbed(trueCamera(a).inverse() * trueCamera(b), error)};
+    SeenMotion motion{a, b, boxplus(trueCamera(a).inverse() * trueCamera(b), error)};
     motion.T_a_b.translation() *= scale;
     motions.push_back(motion);
   }
@@ -69,7 +69,7 @@ TEST(PoseCheck, NoisyPosesAreNoWrongOnes) {
   const PoseCheck found = check([&](double t) {
     Vector6d error;
     for (int k = 0; k < 6; ++k) error[k] = (k < 3 ? kDegree : 0.03) * normal(random);
-    return perturbed(trueCamera(t), error);
+    return boxplus(trueCamera(t), error);
   });
   EXPECT_THAT(found.cause, HasSubstr("how accurate the poses are"));
   EXPECT_FALSE(found.wrong_convention);
@@ -170,7 +170,7 @@ TEST(MotionRatio, OfMotionsBelowTheNoiseIsNoFault) {
   const PoseCheck found = check([&](double t) {  // errors as large as a motion
     Vector6d error;
     for (int k = 0; k < 6; ++k) error[k] = (k < 3 ? 2 * kDegree : 0.15) * normal(random);
-    return perturbed(trueCamera(t), error);
+    return boxplus(trueCamera(t), error);
   });
   EXPECT_FALSE(found.distances.differs());
   EXPECT_FALSE(found.turns.differs());

@@ -49,7 +49,7 @@ protected:
   PoseEdge measured(int from, int to, std::mt19937& random) const {
     const Matrix6d P = covariance(0.5, 0.02);
     const Eigen::Isometry3d T = truth_[from].inverse() * truth_[to];
-    return {from, to, {perturbed(T, smallNoise(random, P)), P}};
+    return {from, to, {boxplus(T, smallNoise(random, P)), P}};
   }
   PoseGraph graph(unsigned seed, bool closed) const {
     std::mt19937 random(seed);
@@ -85,7 +85,7 @@ TEST_F(Round, ALoopThatIsClosedMakesPosesAsGoodAsTheirCovariances) {
     const GraphPoses without = optimized(graph(seed, false), false), with = optimized(graph(seed, true));
     ASSERT_TRUE(with.converged);
     const std::size_t middle = truth_.size() / 2, last = truth_.size() - 1;
-    const Vector6d e = perturbation(with.nodes[middle].T, truth_[middle]);
+    const Vector6d e = boxminus(truth_[middle], with.nodes[middle].T);
     squared += e.dot(with.nodes[middle].P.ldlt().solve(e)) / kTrials;
     open += (without.nodes[last].T.translation() - truth_[last].translation()).norm();
     closed += (with.nodes[last].T.translation() - truth_[last].translation()).norm();

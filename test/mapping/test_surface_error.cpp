@@ -64,7 +64,7 @@ int inside(double surface_std) {
     if (answer.hypotheses.empty()) continue;
     const Hypothesis& best = answer.hypotheses.front();
     const PoseWithCovariance found = *map->models[0].T_w_m * best.T_m_c;
-    const Vector6d error = perturbation(T_w_c, found.T);
+    const Vector6d error = boxminus(found.T, T_w_c);
     inside += error.dot(found.P.ldlt().solve(error)) < chiSquareQuantile(6, 0.95);
   }
   return inside;

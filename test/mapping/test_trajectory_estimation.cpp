@@ -76,7 +76,7 @@ TEST_F(Around, SparseImagesAreFollowedAndTheLoopIsClosed) {
   for (std::size_t k = 1; k < found.keyframes.size(); ++k) {
     const Eigen::Isometry3d expected =
         found.keyframes[0].T_w_c.T * truth_[0].inverse() * truth_[found.keyframes[k].image];
-    const Vector6d e = perturbation(expected, found.keyframes[k].T_w_c.T);
+    const Vector6d e = boxminus(found.keyframes[k].T_w_c.T, expected);
     squared += e.dot(found.keyframes[k].T_w_c.P.ldlt().solve(e)) / double(found.keyframes.size() - 1);
   }
   EXPECT_LT(squared, 3 * 6);

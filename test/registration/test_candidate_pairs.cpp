@@ -62,7 +62,7 @@ TEST(CandidatePairs, AreThosePairsThatPassBothTests) {
   const PoseWithCovariance prior = paperPrior();
   for (int trial = 0; trial < 20; ++trial) {
     const std::vector<Segment> model = randomSegments(rng, 12),
-                               scene = seenFrom(model, perturbed(prior.T, gaussian<6>(rng, prior.P)), rng);
+                               scene = seenFrom(model, boxplus(prior.T, gaussian<6>(rng, prior.P)), rng);
     const std::vector<SegmentPair> pairs = candidatePairs(scene, model, prior);
     std::set<std::pair<int, int>> want;
     for (int i = 0; i < 12; ++i)
@@ -98,7 +98,7 @@ TEST(CandidatePairs, TruePairsAreAmongThem) {
     int found = 0, all = 0;
     for (int trial = 0; trial < 200; ++trial) {
       const std::vector<Segment> model = randomSegments(rng, 8);
-      const std::vector<Segment> scene = seenFrom(model, perturbed(prior.T, gaussian<6>(rng, prior.P)), rng);
+      const std::vector<Segment> scene = seenFrom(model, boxplus(prior.T, gaussian<6>(rng, prior.P)), rng);
       const auto pairs = setOf(candidatePairs(scene, model, prior));
       for (int i = 0; i < 8; ++i) found += static_cast<int>(pairs.count({i, 7 - i})), ++all;
     }
@@ -256,7 +256,7 @@ Acceptance acceptanceUnderThePrior(double shrink) {
   int overlapping = 0;
   for (int i = 0; i < 10000; ++i) {
     const CoplanarPair p(rng, 2);
-    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    const Eigen::Isometry3d truth = boxplus(prior.T, gaussian<6>(rng, prior.P));
     const Segment scene = transformed(p.scene, truth.inverse() * p.pose.T);
     if (!outlinesMeet(scene, p.model, truth, shrink)) continue;
     ++overlapping;

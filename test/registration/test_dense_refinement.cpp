@@ -57,7 +57,7 @@ TEST_F(DenseRefinement, FindsTheTruthFromNearIt) {
   for (int trial = 0; trial < 20; ++trial) {
     Vector6d d;
     for (int i = 0; i < 6; ++i) d[i] = (i < 3 ? 0.5 * kDegree : 0.02) * normal(rng);
-    PoseWithCovariance pose{perturbed(truth, d), priorCovariance(0.5 * kDegree, 0.02)};
+    PoseWithCovariance pose{boxplus(truth, d), priorCovariance(0.5 * kDegree, 0.02)};
     ASSERT_TRUE(refine(pose));
     EXPECT_LT((pose.T.translation() - truth.translation()).norm(), 0.005) << trial;
     EXPECT_LT(rotationAngle(pose.T.linear() * truth.linear().transpose()), 0.1 * kDegree) << trial;
@@ -107,16 +107,16 @@ TEST_F(DenseRefinement, AStepIsThatOfAllPixelsOneByOne) {
   for (int trial = 0; trial < 10; ++trial) {
     Vector6d d;
     for (int i = 0; i < 6; ++i) d[i] = (i < 3 ? 0.5 * kDegree : 0.02) * normal(rng);
-    const PoseWithCovariance start{perturbed(truth, d), priorCovariance(0.5 * kDegree, 0.02)};
+    const PoseWithCovariance start{boxplus(truth, d), priorCovariance(0.5 * kDegree, 0.02)};
     const Sums first = ofAllPixels(scene, pictures(), start.T, start.P, error, params.robust_gate);
     const Matrix6d A = of_pixel * first.A + start.P.inverse();
-    const Eigen::Isometry3d stepped = perturbed(start.T, -A.ldlt().solve(of_pixel * first.g));
+    const Eigen::Isometry3d stepped = boxplus(start.T, -A.ldlt().solve(of_pixel * first.g));
 
     PoseWithCovariance pose = start;
     Matrix6d information;
     ASSERT_TRUE(refineByDepth(scene, pictures(), params, pose, &information));
     EXPECT_THAT(pose.T, PoseNear(stepped, 1e-4, 5e-3)) << trial;
-    const Vector6d apart = perturbation(stepped, pose.T);
+    const Vector6d apart = boxminus(pose.T, stepped);
     exact += apart.head<3>().norm() < 1e-5 && apart.tail<3>().norm() < 1e-5;
     const Matrix6d there =
         of_pixel * ofAllPixels(scene, pictures(), pose.T, 0.25 * start.P, error, params.robust_gate).A;
@@ -170,7 +170,7 @@ TEST_F(DenseRefinement, GivesTheInformationOfThePixels) {
     scene = pictureOf(test::largeRoom(), truth, static_cast<unsigned>(100 + i));
     PoseWithCovariance pose{truth, priorCovariance(5 * kDegree, 0.5)};
     ASSERT_TRUE(refineByDepth(scene, pictures(), params, pose, &information));
-    errors.push_back(perturbation(truth, pose.T));
+    errors.push_back(boxminus(pose.T, truth));
     mean += errors.back() / kTrials;
   }
   for (const Vector6d& e : errors) squares += (e - mean).dot(information * (e - mean)) / (kTrials - 1);

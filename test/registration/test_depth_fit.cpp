@@ -50,7 +50,7 @@ TEST(DepthFit, IsBestAtTheTruth) {
   EXPECT_LE(*here, 0);
   for (int k = 0; k < 6; ++k)
     for (const double step : {-0.1, 0.1}) {
-      const auto there = pair.fit(perturbed(pair.T_a_b, step * Vector6d::Unit(k)), kFineColumns);
+      const auto there = pair.fit(boxplus(pair.T_a_b, step * Vector6d::Unit(k)), kFineColumns);
       ASSERT_TRUE(there) << k;
       EXPECT_LT(*there, *here - 2) << k;
     }

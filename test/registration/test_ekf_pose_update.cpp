@@ -71,13 +71,13 @@ Segment measured(const Segment& truth, Rng& rng) { return disturbed(truth, gauss
 // A random surface as both views measure it, from a pose drawn from the prior.
 std::pair<Segment, Segment> randomPair(Rng& rng, const PoseWithCovariance& prior) {
   const Segment surface = test::randomSegment(rng);
-  const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+  const Eigen::Isometry3d truth = boxplus(prior.T, gaussian<6>(rng, prior.P));
   const Segment scene = seen(surface, truth, surface.Sigma_q, rng);
   return {scene, measured(surface, rng)};
 }
 
 double nees(const PoseWithCovariance& estimate, const Eigen::Isometry3d& truth) {
-  const Vector6d e = perturbation(estimate.T, truth);
+  const Vector6d e = boxminus(truth, estimate.T);
   return e.dot(estimate.P.llt().solve(e));
 }
 
@@ -95,7 +95,7 @@ Consistency experiment(const EkfParams& params, int trials, const Surfaces& surf
   std::array<int, 3> tried{};
   int converged = 0;
   for (int i = 0; i < trials; ++i) {
-    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    const Eigen::Isometry3d truth = boxplus(prior.T, gaussian<6>(rng, prior.P));
     PoseWithCovariance pose = prior;
     bool all = true;
     const std::array<Segment, 3> corner_segments = surfaces(rng);
@@ -176,7 +176,7 @@ TEST(EkfPoseUpdate, OneIterationIsTheImplicitFilterOfTheTextbook) {
     Matrix6d reset = Matrix6d::Identity();
     reset.topLeftCorner<3, 3>() = leftJacobianSO3(dw.head<3>());
     const Matrix6d P = reset * (IKH * prior.P * IKH.transpose() + K * W * K.transpose()) * reset.transpose();
-    EXPECT_THAT(u.pose.T, PoseNear(perturbed(prior.T, dw), 1e-12, 1e-10));
+    EXPECT_THAT(u.pose.T, PoseNear(boxplus(prior.T, dw), 1e-12, 1e-10));
     EXPECT_THAT(u.pose.P, MatrixNear(P, 1e-12));
   }
 }
@@ -193,7 +193,7 @@ public:
     PoseWithCovariance posterior;
     Matrix6d reset = Matrix6d::Identity();
     reset.topLeftCorner<3, 3>() = leftJacobianSO3(e.head<3>());
-    posterior.T = perturbed(prior_.T, e);
+    posterior.T = boxplus(prior_.T, e);
     posterior.P = reset * information_.inverse() * reset.transpose();
     cost_ = e.dot(prior_.P.inverse() * e) + left_.dot(W_.inverse() * left_);
     return posterior;
@@ -202,7 +202,7 @@ public:
 
 private:
   Eigen::Vector3d residual(const Vector6d& e, const Eigen::Vector3d& q, const Eigen::Vector3d& q_model) {
-    return planeResidual(scene_, model_, perturbed(prior_.T, e), q, q_model);
+    return planeResidual(scene_, model_, boxplus(prior_.T, e), q, q_model);
   }
 
   // The minimum over e' of e'^T P^-1 e' + h^T W^-1 h, with h linear about the displacement e.
@@ -242,7 +242,7 @@ TEST(EkfPoseUpdate, FewLinearisationsAreTakenOnTrust) {
     PoseWithCovariance prior = narrowPrior(rng);
     prior.P *= 100;  // standard deviations of up to 17 deg and 0.6 m
     const Segment surface = test::randomSegment(rng);
-    const Eigen::Isometry3d truth = perturbed(prior.T, 0.5 * gaussian<6>(rng, prior.P));
+    const Eigen::Isometry3d truth = boxplus(prior.T, 0.5 * gaussian<6>(rng, prior.P));
     const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
     for (const int n : {1, 2, 3}) {
       EkfParams params = ungated(n);
@@ -256,7 +256,7 @@ TEST(EkfPoseUpdate, FewLinearisationsAreTakenOnTrust) {
       EXPECT_NEAR(u.cost, numeric.cost(), 1e-4 * (1 + u.cost)) << n;
     }
     NumericUpdate numeric(scene, model, prior);
-    unsettled += perturbation(numeric.after(2).T, numeric.after(3).T).norm() > 1e-4;
+    unsettled += boxminus(numeric.after(3).T, numeric.after(2).T).norm() > 1e-4;
   }
   EXPECT_GT(unsettled, 50) << "a third step would have been small anyway";
 }
@@ -320,7 +320,7 @@ protected:
   static Matrix6d beforeReset(const PoseWithCovariance& prior, const EkfUpdate& u,
                               Matrix6d* reset = nullptr) {
     Matrix6d G = Matrix6d::Identity();
-    G.topLeftCorner<3, 3>() = leftJacobianSO3(perturbation(prior.T, u.pose.T).head<3>());
+    G.topLeftCorner<3, 3>() = leftJacobianSO3(boxminus(u.pose.T, prior.T).head<3>());
     if (reset) *reset = G;
     const Matrix6d back = G.inverse();
     return back * u.pose.P * back.transpose();
@@ -354,10 +354,10 @@ TEST_F(RandomUpdates, CostIsThatOfTheMaximumAPosteriori) {
                   const EkfUpdate& u) {
     const auto cost = [&](const Vector6d& e) {
       PlaneMeasurement m;
-      EXPECT_TRUE(measurePlane(scene, model, perturbed(prior.T, e), 0, m));
+      EXPECT_TRUE(measurePlane(scene, model, boxplus(prior.T, e), 0, m));
       return e.dot(prior.P.llt().solve(e)) + m.h.dot(m.W.llt().solve(m.h));
     };
-    const Vector6d e = perturbation(prior.T, u.pose.T);
+    const Vector6d e = boxminus(u.pose.T, prior.T);
     EXPECT_NEAR(u.cost, cost(e), 1e-4 * (1 + u.cost));  // the last step, of at most 1e-5, is still in it
   });
 }
@@ -412,7 +412,7 @@ TEST(EkfPoseUpdate, AMovedOriginOfTheCameraChangesNothingToFirstOrder) {
     prior.P *= 1e-4;
     Segment surface = test::randomSegment(rng);
     surface.Sigma_q *= 1e-4;
-    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    const Eigen::Isometry3d truth = boxplus(prior.T, gaussian<6>(rng, prior.P));
     const Segment scene = seen(surface, truth, surface.Sigma_q, rng), model = measured(surface, rng);
     const Eigen::Isometry3d Y = test::randomPose(rng, 2, 1);
     Matrix6d A = Matrix6d::Identity();  // t' = t - R Y^-1 t_Y moves with the rotation
@@ -433,7 +433,7 @@ std::vector<double> spreadOverOrders(double prior_scale) {
   prior.P *= prior_scale * prior_scale;
   std::vector<double> spread;
   for (int trial = 0; trial < 200; ++trial) {
-    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    const Eigen::Isometry3d truth = boxplus(prior.T, gaussian<6>(rng, prior.P));
     std::array<Segment, 3> scene, model = corner(rng);
     for (int k = 0; k < 3; ++k) {
       scene[k] = seen(model[k], truth, model[k].Sigma_q, rng);
@@ -453,7 +453,7 @@ std::vector<double> spreadOverOrders(double prior_scale) {
     } while (std::next_permutation(order.begin(), order.end()));
     double worst = 0;
     for (const PoseWithCovariance& p : poses) {
-      const Vector6d e = perturbation(poses[0].T, p.T);
+      const Vector6d e = boxminus(p.T, poses[0].T);
       worst = std::max(worst, (e.cwiseAbs().array() / poses[0].P.diagonal().cwiseSqrt().array()).maxCoeff());
     }
     spread.push_back(worst);
@@ -476,7 +476,7 @@ TEST(EkfPoseUpdate, ThreeExactPairsGiveThePose) {
   int found = 0;
   for (int i = 0; i < 100; ++i) {
     std::array<Segment, 3> model = corner(rng);
-    const Eigen::Isometry3d truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    const Eigen::Isometry3d truth = boxplus(prior.T, gaussian<6>(rng, prior.P));
     PoseWithCovariance pose = prior;
     bool all = true;
     for (Segment& s : model) {

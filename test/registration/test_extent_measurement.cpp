@@ -23,7 +23,7 @@ TEST(ExtentMeasurement, JacobianIsTheDerivative) {
   for (int k = 0; k < 6; ++k) {
     const Vector6d d = kStep * Vector6d::Unit(k);
     const Eigen::Vector2d slope =
-        (measureExtent(scene, model, perturbed(T, d)).h - measureExtent(scene, model, perturbed(T, -d)).h) /
+        (measureExtent(scene, model, boxplus(T, d)).h - measureExtent(scene, model, boxplus(T, -d)).h) /
         (2 * kStep);
     EXPECT_TRUE(slope.isApprox(m.H.col(k), 1e-6)) << k;
   }

@@ -37,7 +37,7 @@ struct Case {
   explicit Case(unsigned seed) {
     Rng rng(seed);
     prior = widePrior();
-    truth = perturbed(prior.T, 0.5 * gaussian<6>(rng, prior.P));
+    truth = boxplus(prior.T, 0.5 * gaussian<6>(rng, prior.P));
     const Eigen::Vector3d normal[] = {{0, 0, 1}, {1, 0, 0.1}, {0, 1, 0}, {0, 0.05, 1}, {1, 0.1, 0.2}};
     for (const Eigen::Vector3d& n : normal) {
       const Eigen::Vector3d centre = 2 * n.normalized() + 0.4 * gaussian<3>(rng);
@@ -138,7 +138,7 @@ TEST(HypothesisTree, FindsTheTruePose) {
     const TreeSearchResult result = c.search({});
     found += std::any_of(result.by_pairs.complete.begin(), result.by_pairs.complete.end(),
                          [&c](const PoseNode& n) {
-                           const Vector6d e = perturbation(c.truth, n.pose.T);
+                           const Vector6d e = boxminus(n.pose.T, c.truth);
                            return e.head<3>().norm() < 3 * kDegree && e.tail<3>().norm() < 0.15;
                          });
   }
@@ -183,7 +183,7 @@ TEST(HypothesisTree, DuplicatesAreSuppressed) {
     EXPECT_LE(distinct.size(), all);
     for (std::size_t i = 0; i < distinct.size(); ++i)
       for (std::size_t k = 0; k < i; ++k) {
-        const Vector6d e = perturbation(distinct[k].pose.T, distinct[i].pose.T);
+        const Vector6d e = boxminus(distinct[i].pose.T, distinct[k].pose.T);
         EXPECT_TRUE(e.head<3>().norm() > 1 * kDegree || e.tail<3>().norm() > 0.05);
       }
   }

@@ -23,7 +23,7 @@ using test::disturbed, test::gaussian, test::IsPositiveSemidefinite, test::Matri
 struct Room {
   explicit Room(Rng& rng, double noise = 1) {
     prior.P = posePrior(CameraMounting{0.98, 10});
-    truth = perturbed(prior.T, gaussian<6>(rng, prior.P));
+    truth = boxplus(prior.T, gaussian<6>(rng, prior.P));
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {-1.0, 1.0}) {
         const Eigen::Vector3d n = side * (Eigen::Vector3d::Unit(axis) + 0.1 * gaussian<3>(rng)).normalized();
@@ -61,7 +61,7 @@ TEST(JointRefinement, RecoversThePoseOfExactSegments) {
     Room room(rng, 0);
     room.prior.P *= 1e8;  // or it would pull a little: it is tight in roll, pitch and height
     Hypothesis h;
-    h.T_m_c.T = perturbed(room.truth, 0.02 * gaussian<6>(rng));
+    h.T_m_c.T = boxplus(room.truth, 0.02 * gaussian<6>(rng));
     h.T_m_c.P.diagonal() << 1e-3, 1e-3, 1e-3, 1e-2, 1e-2, 1e-2;
     ASSERT_TRUE(room.refine(h));
     EXPECT_THAT(h.T_m_c.T, PoseNear(room.truth, 1e-5, 1e-4));
@@ -97,8 +97,8 @@ TEST(JointRefinement, DoesNotDependOnTheStart) {
   for (int i = 0; i < 30; ++i) {
     const Room room(rng);
     Hypothesis a, b;
-    a.T_m_c.T = perturbed(room.truth, 0.01 * gaussian<6>(rng));
-    b.T_m_c.T = perturbed(room.truth, 0.01 * gaussian<6>(rng));
+    a.T_m_c.T = boxplus(room.truth, 0.01 * gaussian<6>(rng));
+    b.T_m_c.T = boxplus(room.truth, 0.01 * gaussian<6>(rng));
     a.T_m_c.P.diagonal() << 1e-3, 1e-3, 1e-3, 1e-2, 1e-2, 1e-2;
     b.T_m_c.P = a.T_m_c.P;
     ASSERT_TRUE(room.refine(a) && room.refine(b));
@@ -115,9 +115,9 @@ TEST(JointRefinement, BeatsTheSequenceAndKnowsItsError) {
     const Room room(rng);
     Hypothesis h;
     if (!room.sequential(h)) continue;
-    const Vector6d before = perturbation(room.truth, h.T_m_c.T);
+    const Vector6d before = boxminus(h.T_m_c.T, room.truth);
     if (!room.refine(h)) continue;
-    const Vector6d after = perturbation(h.T_m_c.T, room.truth);
+    const Vector6d after = boxminus(room.truth, h.T_m_c.T);
     ++n;
     sequence += before.squaredNorm();
     joint += after.squaredNorm();
@@ -144,7 +144,7 @@ TEST(JointRefinement, ItsResultIsAMinimumOfTheCost) {
       weights.push_back(m.W.inverse());
     }
     const auto cost = [&](const Eigen::Isometry3d& T) {
-      const Vector6d e = perturbation(room.prior.T, T);
+      const Vector6d e = boxminus(T, room.prior.T);
       double sum = e.dot(prior_information * e);
       for (std::size_t k = 0; k < h.pairs.size(); ++k) {
         PlaneMeasurement m;
@@ -157,7 +157,7 @@ TEST(JointRefinement, ItsResultIsAMinimumOfTheCost) {
     const double least = cost(h.T_m_c.T);
     const Eigen::Matrix<double, 6, 6> root = h.T_m_c.P.llt().matrixL();
     for (int k = 0; k < 20; ++k)
-      EXPECT_GE(cost(perturbed(h.T_m_c.T, 0.3 * root * gaussian<6>(rng))), least - 1e-9);
+      EXPECT_GE(cost(boxplus(h.T_m_c.T, 0.3 * root * gaussian<6>(rng))), least - 1e-9);
   }
 }
 
@@ -206,7 +206,7 @@ TEST(JointRefinement, WithoutAPairChangesNothing) {
   Rng rng(9);
   const Room room(rng);
   Hypothesis h;
-  h.T_m_c.T = perturbed(room.truth, (Vector6d() << 0, 0, 0, 20, 20, 20).finished());
+  h.T_m_c.T = boxplus(room.truth, (Vector6d() << 0, 0, 0, 20, 20, 20).finished());
   h.T_m_c.P = 1e-6 * Matrix6d::Identity();
   h.pairs = {{1, 2, 3}};
   const Hypothesis before = h;

@@ -48,7 +48,7 @@ TEST(PlaneMeasurement, JacobiansAreTheDerivatives) {
     PlaneJacobians J;
     planeResidual(F, Fp, T, q, qp, &J);
     const auto by_pose =
-        numericJacobian<3, 6>([&](const Vector6d& d) { return planeResidual(F, Fp, perturbed(T, d), q, qp); },
+        numericJacobian<3, 6>([&](const Vector6d& d) { return planeResidual(F, Fp, boxplus(T, d), q, qp); },
                               Vector6d::Zero().eval());
     const auto by_scene =
         numericJacobian<3, 3>([&](const Eigen::Vector3d& x) { return planeResidual(F, Fp, T, x, qp); }, q);

@@ -27,12 +27,12 @@ TEST(PoseFusion, TwoSourcesAreWeighedByTheirInformation) {
     a.P = randomCovariance(rng, 1e-8);  // so close that rotations add
     b.P = randomCovariance(rng, 1e-8);
     const Vector6d offset = 1e-4 * test::gaussian<6>(rng, Matrix6d::Identity());
-    b.T = perturbed(a.T, offset);
+    b.T = boxplus(a.T, offset);
     const PoseWithCovariance both = fused(a, b);
     const Matrix6d information = a.P.inverse() + b.P.inverse();
     EXPECT_THAT(both.P * information, test::MatrixNear(Matrix6d::Identity(), 1e-8));
     const Vector6d expected = information.inverse() * b.P.inverse() * offset;
-    EXPECT_LT((perturbation(a.T, both.T) - expected).norm(), 1e-6 * offset.norm() + 1e-8);
+    EXPECT_LT((boxminus(both.T, a.T) - expected).norm(), 1e-6 * offset.norm() + 1e-8);
   }
 }
 
@@ -46,19 +46,19 @@ TEST(PoseFusion, CommonInformationOfTwoSourcesIsNotCountedTwice) {
     const Matrix6d of_a = randomCovariance(rng, 1e-8), of_b = randomCovariance(rng, 1e-8);
     PoseWithCovariance a, b;
     a.P = common + of_a, b.P = common + of_b;
-    b.T = perturbed(a.T, 1e-4 * test::gaussian<6>(rng, Matrix6d::Identity()));
+    b.T = boxplus(a.T, 1e-4 * test::gaussian<6>(rng, Matrix6d::Identity()));
     const PoseWithCovariance both = covarianceIntersection(a, b);
     // The true error of the estimate W a + (1 - W) b.
-    const Vector6d offset = perturbation(a.T, b.T);
+    const Vector6d offset = boxminus(b.T, a.T);
     Matrix6d W;
     for (int k = 0; k < 6; ++k) {
       PoseWithCovariance moved = b;
-      moved.T = perturbed(a.T, 1e-4 * Vector6d::Unit(k));
-      W.col(k) = 1e4 * perturbation(a.T, covarianceIntersection(a, moved).T);
+      moved.T = boxplus(a.T, 1e-4 * Vector6d::Unit(k));
+      W.col(k) = 1e4 * boxminus(covarianceIntersection(a, moved).T, a.T);
     }
     const Matrix6d rest = Matrix6d::Identity() - W;
     EXPECT_TRUE(isAtLeast(both.P, common + rest * of_a * rest.transpose() + W * of_b * W.transpose()));
-    EXPECT_LT((perturbation(a.T, both.T) - W * offset).norm(), 1e-3 * offset.norm());
+    EXPECT_LT((boxminus(both.T, a.T) - W * offset).norm(), 1e-3 * offset.norm());
     EXPECT_LE(both.P.determinant(), 1.0001 * std::min(a.P.determinant(), b.P.determinant()));
   }
   PoseWithCovariance a{Eigen::Isometry3d::Identity(), randomCovariance(rng, 1e-4)};

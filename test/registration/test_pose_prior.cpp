@@ -110,8 +110,8 @@ TEST(PosePrior, TheCameraMovesAsItsRobotDoes) {
   const Eigen::Isometry3d T_b_c = mounting.T_b_c();
   constexpr double kStep = 1e-6;
   for (int i = 0; i < 6; ++i) {
-    const Eigen::Isometry3d moved = perturbed(Eigen::Isometry3d::Identity(), kStep * Vector6d::Unit(i));
-    const Vector6d seen = perturbation(Eigen::Isometry3d::Identity(), T_b_c.inverse() * moved * T_b_c);
+    const Eigen::Isometry3d moved = boxplus(Eigen::Isometry3d::Identity(), kStep * Vector6d::Unit(i));
+    const Vector6d seen = boxminus(T_b_c.inverse() * moved * T_b_c, Eigen::Isometry3d::Identity());
     EXPECT_THAT(Vector6d(cameraMotion(mounting).col(i)), MatrixNear(Vector6d(seen / kStep), 1e-5)) << i;
   }
 }
@@ -161,7 +161,7 @@ TEST(PosePrior, PropagatesTheFloorThroughTheMounting) {
       Matrix6d sampled = Matrix6d::Zero();
       constexpr int kTrials = 200000;
       for (int i = 0; i < kTrials; ++i) {
-        const Vector6d e = perturbation(expected, poses.next(T_m_b));
+        const Vector6d e = boxminus(poses.next(T_m_b), expected);
         sampled += e * e.transpose() / kTrials;
       }
       EXPECT_LT((sampled - P).norm() / P.norm(), 0.02);
@@ -180,7 +180,7 @@ TEST(PosePrior, TruePosesLieWithinThePriorOfThePaper) {
   double mean = 0;
   int inside = 0;
   for (int i = 0; i < kTrials; ++i) {
-    const Vector6d e = perturbation(Eigen::Isometry3d::Identity(), poses.next());
+    const Vector6d e = boxminus(poses.next(), Eigen::Isometry3d::Identity());
     const double squared = e.dot(P.solve(e));
     mean += squared / kTrials;
     inside += squared < kChi2At99Percent;

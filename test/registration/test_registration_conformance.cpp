@@ -67,7 +67,7 @@ TYPED_TEST(AnyRegistration, AGuessLeadsWhereTheIdentityDoesNot) {
   this->registration->align(this->output);
   EXPECT_THAT(this->found(*this->registration), testing::Not(PoseNear(far_truth, 0.2, 5.0)));
   const Eigen::Matrix4f guess =
-      perturbed(far_truth, (Vector6d() << 0.02, -0.02, 0.01, 0.04, 0.02, -0.03).finished())
+      boxplus(far_truth, (Vector6d() << 0.02, -0.02, 0.01, 0.04, 0.02, -0.03).finished())
           .matrix()
           .cast<float>();
   this->registration->align(this->output, guess);

@@ -26,7 +26,7 @@ protected:
   SegmentMatchingTest() {
     Rng rng(1);
     pose.P = posePrior(CameraMounting{0.98, 10});
-    const Eigen::Isometry3d truth = perturbed(pose.T, 0.5 * gaussian<6>(rng, pose.P));
+    const Eigen::Isometry3d truth = boxplus(pose.T, 0.5 * gaussian<6>(rng, pose.P));
     for (int i = 0; i < 15; ++i) {
       const Segment s = test::randomSegment(rng);
       target->push_back(toSegmentFrame(s));

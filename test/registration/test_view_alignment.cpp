@@ -57,7 +57,7 @@ TEST_F(AlignmentOfAView, FindsTheTruthAndDoesNotBoast) {
   constexpr int kTrials = 10;
   for (int i = 0; i < kTrials; ++i) {
     const View view = viewFrom(largeRoom(), truth, static_cast<unsigned>(100 + i));
-    const PoseWithCovariance prior{perturbed(truth, test::gaussian<6>(rng, P)), P};
+    const PoseWithCovariance prior{boxplus(truth, test::gaussian<6>(rng, P)), P};
     const ViewAlignment found = alignView(view, around, prior, usual());
     EXPECT_TRUE(found.dense);
     EXPECT_FALSE(found.pairs.empty());
@@ -65,7 +65,7 @@ TEST_F(AlignmentOfAView, FindsTheTruthAndDoesNotBoast) {
     EXPECT_LT(translationStd(found.T_w_c.P), translationStd(P) / 3);
     EXPECT_LT(rotationStd(found.T_w_c.P), rotationStd(P) / 3);
     EXPECT_LT(found.T_w_c.P.trace(), 0.2 * P.trace());
-    const Vector6d e = perturbation(found.T_w_c.T, truth);
+    const Vector6d e = boxminus(truth, found.T_w_c.T);
     nees += e.dot(found.T_w_c.P.ldlt().solve(e)) / kTrials;
   }
   EXPECT_LT(nees, 8.84);  // 99 % quantile of the mean of 10 draws with 6 degrees of freedom

@@ -28,7 +28,7 @@ TEST(ViewPlacing, FindsTheMotionFromAFarStart) {
   EXPECT_THAT(found->T_a_b, PoseNear(a.inverse() * b, 0.02, 0.4));
   EXPECT_GT(found->agreement, 0.95);
   EXPECT_GT(found->overlap, 0.4);
-  const Vector6d off = perturbation(a.inverse() * b, found->T_a_b);
+  const Vector6d off = boxminus(found->T_a_b, a.inverse() * b);
   EXPECT_LT(off.dot(found->information * off), chiSquareQuantile(6, 0.999)) << "beyond the 99.9 % ellipsoid";
 }
 

@@ -44,7 +44,7 @@ TEST_F(TwoViewsOfARoom, AreRegistered) {
   EXPECT_FALSE(h[0].depth_assisted);
   EXPECT_GE(h[0].pairs.size(), 3u);
   EXPECT_GT(h[0].free_space, -20) << "a share of some 2 % contradicts";
-  const Vector6d e = perturbation(h[0].T_m_c.T, truth);
+  const Vector6d e = boxminus(truth, h[0].T_m_c.T);
   EXPECT_LT(e.dot(h[0].T_m_c.P.llt().solve(e)), chiSquareQuantile(6, 0.999));
 }
 
@@ -64,7 +64,7 @@ TEST_F(TwoViewsOfARoom, NextToAStartThePoseIsThatOfTheSearch) {
   const Vector6d std =
       (Vector6d() << Eigen::Vector3d::Constant(3 * kDegree), Eigen::Vector3d::Constant(0.2)).finished();
   const auto from = [&](const Vector6d& off) {
-    return ViewRegistration().alignFrom({perturbed(truth, off), std.cwiseAbs2().asDiagonal()}, Query(scene),
+    return ViewRegistration().alignFrom({boxplus(truth, off), std.cwiseAbs2().asDiagonal()}, Query(scene),
                                         model);
   };
   const std::vector<Hypothesis> searched = align();
@@ -94,7 +94,7 @@ TEST_F(TwoViewsOfARoom, StartingNearTheTruthGivesTheSameAnswerWithFewerTrials) {
     return ViewRegistration().align(Query(scene, prior), model, {T_m_c, std.cwiseAbs2().asDiagonal()});
   };
   const Vector6d off = (Vector6d() << 0.03, -0.04, 0.02, 0.1, -0.05, 0.15).finished();
-  const std::vector<Hypothesis> near = from(perturbed(truth, off));
+  const std::vector<Hypothesis> near = from(boxplus(truth, off));
   ASSERT_FALSE(near.empty());
   EXPECT_THAT(near[0].T_m_c.T, PoseNear(everywhere[0].T_m_c.T, 1e-3, 0.05));
   // The start is no measurement: all information about the pose comes from the pairs.
@@ -198,7 +198,7 @@ TEST_F(TwoViewsOfARoom, NoTwoHypothesesAreTheSame) {
   const std::vector<Hypothesis> h = align();
   for (std::size_t i = 0; i < h.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
-      const Vector6d e = perturbation(h[k].T_m_c.T, h[i].T_m_c.T);
+      const Vector6d e = boxminus(h[i].T_m_c.T, h[k].T_m_c.T);
       EXPECT_TRUE(e.head<3>().norm() > 2 * kDegree || e.tail<3>().norm() > 0.1);
     }
 }

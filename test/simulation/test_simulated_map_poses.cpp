@@ -30,7 +30,7 @@ TEST(SimulatedMapPoses, HaveErrorsOfThatSize) {
   ASSERT_EQ(poses.size(), truth.size());
   Vector6d squares = Vector6d::Zero();
   for (std::size_t i = 0; i < truth.size(); ++i)
-    squares += perturbation(truth[i], poses[i]).cwiseAbs2() / static_cast<double>(truth.size());
+    squares += boxminus(poses[i], truth[i]).cwiseAbs2() / static_cast<double>(truth.size());
   for (int axis = 0; axis < 6; ++axis)
     EXPECT_NEAR(std::sqrt(squares[axis]) / (axis < 3 ? kDegree : 0.03), 1, 0.1) << axis;
 }

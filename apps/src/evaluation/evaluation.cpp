@@ -148,7 +148,7 @@ private:
       e.first_correct_error = error;
       const auto covariance = covariances.find(row->frame);
       if (row->rank == 1 && row->part.empty() && covariance != covariances.end())
-        e.nees = neesOf(perturbation(*pose, truth), covariance->second);
+        e.nees = neesOf(boxminus(truth, *pose), covariance->second);
     }
   }
 

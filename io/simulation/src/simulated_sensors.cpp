@@ -88,7 +88,7 @@ std::vector<Eigen::Isometry3d> simulateMapPoses(const std::vector<Eigen::Isometr
     for (int axis = 0; axis < 6; ++axis)
       d[axis] =
           (axis < 3 ? errors.rotation_std_deg * kDegree : errors.translation_std) * of_axes[axis].at(way);
-    poses.push_back(perturbed(T_w_c[i], d));
+    poses.push_back(boxplus(T_w_c[i], d));
   }
   return poses;
 }

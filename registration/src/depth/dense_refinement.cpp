@@ -240,9 +240,9 @@ bool refineByDepth(const DepthPicture& scene, const std::vector<PosedPicture>& p
     const Matrix6d A = n.A.selfadjointView<Eigen::Lower>();
     const Eigen::LDLT<Matrix6d> solver(A + prior_information);
     if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
-    const Vector6d step = -solver.solve(n.g + prior_information * perturbation(pose.T, T));
+    const Vector6d step = -solver.solve(n.g + prior_information * boxminus(T, pose.T));
     if (!step.allFinite()) return false;
-    T = perturbed(T, step);
+    T = boxplus(T, step);
     if (i > 0 && step.norm() < kConverged) break;
     constexpr double kSmaller = 0.25;  // variance after a step, while distant pixels may still mislead it
     uncertainty *= kSmaller;

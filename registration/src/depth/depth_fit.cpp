@@ -21,7 +21,7 @@ constexpr double kMetresPerRadian = 2;  // typical distance of the points that a
 double drop(const DepthFit& fit, double here, const Eigen::Isometry3d& T, const Vector6d& step, int columns) {
   double least = std::numeric_limits<double>::infinity();
   for (const double sign : {-1, 1})
-    if (const auto there = fit(perturbed(T, sign * step), columns)) least = std::min(least, here - *there);
+    if (const auto there = fit(boxplus(T, sign * step), columns)) least = std::min(least, here - *there);
   return std::isfinite(least) ? least : 0;
 }
 
@@ -74,8 +74,8 @@ PoseWithCovariance asShown(const PoseWithCovariance& found, const PoseWithCovari
   const ShownInformation shown =
       shownInformation(symmetricInverse(found.P) - of_prior, found.T, fit, columns);
   const Matrix6d P = symmetricInverse(of_prior + shown.information);
-  const Vector6d pull = of_prior * perturbation(found.T, prior.T);
-  return {perturbed(found.T, P * (pull - shown.share * pull)), P};
+  const Vector6d pull = of_prior * boxminus(prior.T, found.T);
+  return {boxplus(found.T, P * (pull - shown.share * pull)), P};
 }
 
 }  // namespace facetloc::internal

@@ -38,7 +38,7 @@ bool isCertain(const Motion& motion) {
 PoseWithCovariance withPrior(const PlacedView& placed, const PoseWithCovariance& prior) {
   const Matrix6d of_prior = symmetricInverse(prior.P);
   const Matrix6d P = symmetricInverse(placed.information + of_prior);
-  return {perturbed(placed.T_a_b, P * of_prior * perturbation(placed.T_a_b, prior.T)), withSharedErrors(P)};
+  return {boxplus(placed.T_a_b, P * of_prior * boxminus(prior.T, placed.T_a_b)), withSharedErrors(P)};
 }
 
 // Weighs the modes by another odometry, which is wrong now and then.

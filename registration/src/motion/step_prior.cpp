@@ -38,7 +38,7 @@ Matrix6d motionPrior(double dt, const std::optional<CameraMounting>& mounting) {
 
 SidewaysShift sidewaysShift(const PoseWithCovariance& T_before_after, const CameraMounting& mounting) {
   const Vector6d of_base = cameraMotion(mounting).inverse().row(kSideways).transpose();
-  return {of_base.dot(perturbation(Eigen::Isometry3d::Identity(), T_before_after.T)),
+  return {of_base.dot(boxminus(T_before_after.T, Eigen::Isometry3d::Identity())),
           of_base.dot(T_before_after.P * of_base)};
 }
 

@@ -95,10 +95,10 @@ PoseWithCovariance ViewOdometry::aligned(const View& view, const LocalMap& aroun
   const Matrix6d of_jolted = symmetricInverse(jolted.P), of_prediction = symmetricInverse(predicted.P);
   const Matrix6d of_views = symmetricInverse(seen.P) - of_jolted;
   const Matrix6d P = symmetricInverse(of_views + of_prediction);
-  const Vector6d off = perturbation(seen.T, predicted.T), shift = P * (of_prediction - of_jolted) * off;
+  const Vector6d off = boxminus(predicted.T, seen.T), shift = P * (of_prediction - of_jolted) * off;
   const Vector6d left = off - shift;
   if (shift.dot(of_views * shift) + left.dot(of_prediction * left) > kGate) return seen;
-  return {perturbed(seen.T, shift), P};
+  return {boxplus(seen.T, shift), P};
 }
 
 // Kalman update of the pose after a motion by wheels that do not slip sideways, seen through the mounting. A
@@ -110,7 +110,7 @@ void ViewOdometry::applyNonholonomic(PoseWithCovariance& T_o_c, double dt) {
   Vector6d h;
   h << R_c_o.transpose() * sideways.head<3>(), R_c_o.transpose() * sideways.tail<3>();
   const Eigen::Isometry3d motion = T_o_c_.inverse() * T_o_c.T;
-  const double shift = sideways.dot(perturbation(Eigen::Isometry3d::Identity(), motion));
+  const double shift = sideways.dot(boxminus(motion, Eigen::Isometry3d::Identity()));
   const double variance = h.dot(T_o_c.P * h);
 
   side_slip_.variance += kSideSlipChange * kSideSlipChange * dt;
@@ -121,7 +121,7 @@ void ViewOdometry::applyNonholonomic(PoseWithCovariance& T_o_c, double dt) {
 
   const double slip = kSlipSpeed * std::sqrt(dt * kSlipTime) + kLeastTranslation;
   const Vector6d gain = T_o_c.P * h / (variance + slip * slip);
-  T_o_c.T = perturbed(T_o_c.T, -gain * shift);
+  T_o_c.T = boxplus(T_o_c.T, -gain * shift);
   const Matrix6d left = Matrix6d::Identity() - gain * h.transpose();  // Joseph form
   T_o_c.P = left * T_o_c.P * left.transpose() + slip * slip * gain * gain.transpose();
 }
@@ -148,7 +148,7 @@ void ViewOdometry::learnVelocity(const PoseWithCovariance& predicted, const Pose
                                  double dt) {
   constexpr double kNew = 0.25, kTurn = 1.0;  // share of the new value, time constant of turning [s]
   const Matrix6d known = Matrix6d::Identity() - found.P * predicted.P.inverse();
-  const Vector6d change = known * perturbation(predicted.T, found.T) / dt;
+  const Vector6d change = known * boxminus(found.T, predicted.T) / dt;
   const Eigen::Matrix3d R_c_o = T_o_c_.linear().transpose();
   velocity_.head<3>() *= std::exp(-dt / kTurn);
   velocity_.head<3>() += kNew * R_c_o * change.head<3>();
@@ -176,7 +176,7 @@ PoseWithCovariance ViewOdometry::predict(double dt) const {
   }
   P.diagonal().head<3>().array() += kLeastRotation * kLeastRotation;
   P.diagonal().tail<3>().array() += kLeastTranslation * kLeastTranslation;
-  return T_o_c_ * PoseWithCovariance{perturbed(Eigen::Isometry3d::Identity(), motion), P};
+  return T_o_c_ * PoseWithCovariance{boxplus(Eigen::Isometry3d::Identity(), motion), P};
 }
 
 LocalMap ViewOdometry::around(const Eigen::Isometry3d& T_o_c) const {

@@ -100,7 +100,7 @@ public:
   }
   /** How far the prior is from a pose, bounded [nats]. */
   double doubt(const Eigen::Isometry3d& T) const {
-    const Vector6d off = perturbation(prior_.T, T);
+    const Vector6d off = boxminus(T, prior_.T);
     return std::min(kMostDoubt, 0.5 * off.dot(prior_factor_.solve(off)));
   }
   /** The end of an alignment. */
@@ -150,7 +150,7 @@ std::vector<Eigen::Isometry3d> walked(const ViewPair& pair, const PlacedView& fr
   std::vector<double> log_likelihood;
   double best = -std::numeric_limits<double>::infinity();
   for (int i = -n - 1; i <= n + 1; ++i) {
-    const Eigen::Isometry3d T = perturbed(from.T_a_b, i * kStep / std * motion);
+    const Eigen::Isometry3d T = boxplus(from.T_a_b, i * kStep / std * motion);
     const auto here = pair.at(T, kCoarseColumns);
     const bool counts = here && here->judged * kFineColumns * kFineColumns >=
                                     kLeastShare * from.judged * kCoarseColumns * kCoarseColumns;
@@ -162,7 +162,7 @@ std::vector<Eigen::Isometry3d> walked(const ViewPair& pair, const PlacedView& fr
   for (int i = -n; i <= n; ++i) {
     const double* here = &log_likelihood[static_cast<std::size_t>(i + n + 1)];
     if (std::abs(i) > 1 && here[0] >= here[-1] && here[0] > here[1] && here[0] > best - kHopeless)
-      minima.push_back(perturbed(from.T_a_b, i * kStep / std * motion));
+      minima.push_back(boxplus(from.T_a_b, i * kStep / std * motion));
   }
   return minima;
 }
@@ -212,11 +212,11 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
   // Few planes may leave a way free, along which pixels see no farther than an edge is wide.
   if (search) {
     const Vector6d step = freeStep(found.information);
-    for (const double shift : {-2, -1, 1, 2}) tryFrom(perturbed(found.T_a_b, shift * step), aboutStart());
+    for (const double shift : {-2, -1, 1, 2}) tryFrom(boxplus(found.T_a_b, shift * step), aboutStart());
     found = tested(places).front();
   }
   const Vector6d step = freeStep(found.information);
-  const auto there = pair.at(perturbed(found.T_a_b, step)), back = pair.at(perturbed(found.T_a_b, -step)),
+  const auto there = pair.at(boxplus(found.T_a_b, step)), back = pair.at(boxplus(found.T_a_b, -step)),
              here = pair.at(found.T_a_b);
   if (here && there && back) {
     const double drop = here->log_likelihood - std::max(there->log_likelihood, back->log_likelihood);

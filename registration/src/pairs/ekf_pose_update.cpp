@@ -35,7 +35,7 @@ struct Linearization {
 
   bool at(const Segment& scene, const Segment& model, const PoseWithCovariance& prior, const Vector6d& e,
           double min_cosine) {
-    if (!measurePlane(scene, model, perturbed(prior.T, e), min_cosine, m)) return false;
+    if (!measurePlane(scene, model, boxplus(prior.T, e), min_cosine, m)) return false;
     Ht = m.H;
     if (!e.isZero()) Ht.leftCols<3>() = m.H.leftCols<3>() * leftJacobianSO3(e.head<3>());
     PHt.noalias() = prior.P * Ht.transpose();
@@ -82,7 +82,7 @@ EkfUpdate ekfPoseUpdate(const Segment& scene, const Segment& model, const PoseWi
   const Eigen::Matrix3d reset = leftJacobianSO3(e.head<3>());
   P.topRows<3>() = (reset * P.topRows<3>()).eval();
   P.leftCols<3>() = (P.leftCols<3>() * reset.transpose()).eval();
-  out.pose.T = perturbed(prior.T, e);
+  out.pose.T = boxplus(prior.T, e);
   out.pose.P = 0.5 * (P + P.transpose());
   out.information = lin.m.H.transpose() * noise.solve<6>(lin.m.H);
   out.accepted = true;

@@ -211,7 +211,7 @@ private:
     if (!gradient.allFinite() || !isComplete(observability(node.information + known_ + information))) return;
     Node moved = node;
     moved.pose.P = symmetricInverse(symmetricInverse(node.pose.P) + information);
-    moved.pose.T = perturbed(node.pose.T, -moved.pose.P * gradient);
+    moved.pose.T = boxplus(node.pose.T, -moved.pose.P * gradient);
     emit(moved, Eigen::Vector3d::Zero(), result_.by_extents);
   }
 

@@ -58,7 +58,7 @@ struct NormalEquations {
 
   void addPrior(const PoseWithCovariance& prior, const Matrix6d& prior_information,
                 const Eigen::Isometry3d& T) {
-    const Vector6d e = perturbation(prior.T, T);
+    const Vector6d e = boxminus(T, prior.T);
     Matrix6d G = Matrix6d::Identity();  // de / d(perturbation)
     G.topLeftCorner<3, 3>() = leftJacobianSO3(e.head<3>()).inverse();
     const Matrix6d GtI = G.transpose() * prior_information;
@@ -119,7 +119,7 @@ bool refineJointly(const std::vector<Segment>& scene, const std::vector<Segment>
       if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
       const Vector6d step = -solver.solve(n.g);
       if (!step.allFinite()) return false;
-      h.T_m_c.T = perturbed(h.T_m_c.T, step);
+      h.T_m_c.T = boxplus(h.T_m_c.T, step);
       h.T_m_c.P = solver.solve(Matrix6d::Identity());
       if (step.norm() < kConverged) break;
     }

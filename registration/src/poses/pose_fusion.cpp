@@ -8,7 +8,7 @@ namespace facetloc::internal {
 PoseWithCovariance fused(const PoseWithCovariance& a, const PoseWithCovariance& b) {
   const Matrix6d gain = a.P * symmetricInverse(a.P + b.P);
   const Matrix6d P = a.P - gain * a.P;
-  return {perturbed(a.T, gain * perturbation(a.T, b.T)), 0.5 * (P + P.transpose())};
+  return {boxplus(a.T, gain * boxminus(b.T, a.T)), 0.5 * (P + P.transpose())};
 }
 
 PoseWithCovariance covarianceIntersection(const PoseWithCovariance& a, const PoseWithCovariance& b) {
@@ -21,7 +21,7 @@ PoseWithCovariance covarianceIntersection(const PoseWithCovariance& a, const Pos
     if (information > most) most = information, share = w;
   }
   const Matrix6d P = symmetricInverse(share * of_a + (1 - share) * of_b);
-  return {perturbed(a.T, (1 - share) * P * of_b * perturbation(a.T, b.T)), P};
+  return {boxplus(a.T, (1 - share) * P * of_b * boxminus(b.T, a.T)), P};
 }
 
 Matrix6d temper(const Matrix6d& prior, const Matrix6d& posterior, double part) {

@@ -47,10 +47,10 @@ bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double trans
 
 /** \brief T moved by a left, decoupled perturbation (d phi, d t). Its rotation stays orthonormal, however
  * often this is done. */
-Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Vector6d& d);
+Eigen::Isometry3d boxplus(const Eigen::Isometry3d& T, const Vector6d& d);
 
-/** \brief The left, decoupled perturbation that leads from T0 to T: perturbed(T0, d) = T. */
-Vector6d perturbation(const Eigen::Isometry3d& T0, const Eigen::Isometry3d& T);
+/** \brief The left, decoupled perturbation that leads from T0 to T: boxplus(T0, d) = T. */
+Vector6d boxminus(const Eigen::Isometry3d& T, const Eigen::Isometry3d& T0);
 
 /** \brief Squared Mahalanobis distance of T from a pose with a positive definite covariance; chi-square of 6
  * degrees of freedom if T is exact. */

@@ -81,7 +81,7 @@ PoseWithCovariance updatedByFloor(const PoseWithCovariance& T_w_c, const CameraM
   const Eigen::Matrix3d S = H * T_w_c.P * H.transpose() + R;
   const Eigen::Matrix<double, 6, 3> K = S.ldlt().solve(H * T_w_c.P).transpose();
   PoseWithCovariance out;
-  out.T = perturbed(T_w_c.T, -K * stand.residual);
+  out.T = boxplus(T_w_c.T, -K * stand.residual);
   const Matrix6d left = Matrix6d::Identity() - K * H;  // Joseph form: stays positive definite
   out.P = left * T_w_c.P * left.transpose() + K * R * K.transpose();
   return out;

@@ -63,9 +63,9 @@ double sharpness(const PoseWithCovariance& motion) {
 
 // One Gaussian for two that are close to each other, by their moments.
 PoseWithCovariance merged(const PoseWithCovariance& a, double share_of_a, const PoseWithCovariance& b) {
-  const Vector6d apart = perturbation(a.T, b.T);
+  const Vector6d apart = boxminus(b.T, a.T);
   const double share = 1 - share_of_a;
-  return {perturbed(a.T, share * apart),
+  return {boxplus(a.T, share * apart),
           share_of_a * a.P + share * b.P + share_of_a * share * apart * apart.transpose()};
 }
 

@@ -108,7 +108,7 @@ PoseWithCovariance correctedByGravity(const PoseWithCovariance& prior, const Gra
       (of_model.std * of_model.std + of_view.std * of_view.std) * Eigen::Matrix2d::Identity();
   const Eigen::Matrix2d S = H * out.P * H.transpose() + R;
   const Eigen::Matrix<double, 6, 2> K = S.ldlt().solve(H * out.P).transpose();
-  out.T = perturbed(out.T, K * (B * residual));
+  out.T = boxplus(out.T, K * (B * residual));
   const Matrix6d left = Matrix6d::Identity() - K * H;  // Joseph form: stays positive definite
   out.P = left * out.P * left.transpose() + K * R * K.transpose();
   return out;

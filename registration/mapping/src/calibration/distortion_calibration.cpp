@@ -224,7 +224,7 @@ double DistortionProblem::improve() {
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const Vector6d motion = -(motions[i].alone + motions[i].by_node * step);
     pairs_[i].motion += motion;
-    pairs_[i].T_b_a = perturbed(pairs_[i].T_b_a, motion);
+    pairs_[i].T_b_a = boxplus(pairs_[i].T_b_a, motion);
     squares += pairs_[i].motion.cwiseAbs2() + motions[i].variance;
   }
   const double n = 2 * 3 * static_cast<double>(pairs_.size());  // two poses, three axes

@@ -19,7 +19,7 @@ Agreement compare(const FoundKeyframe& a, const FoundKeyframe& b, const Relative
   if (!in_session) return Agreement::says_nothing;
   const double std = largestTranslationStd(in_session->P), turn_std = largestRotationStd(in_session->P);
   if (std > kTellingStd || turn_std > kTellingRotation) return Agreement::says_nothing;
-  const Vector6d off = perturbation(in_session->T, a.T_w_c.T.inverse() * b.T_w_c.T);
+  const Vector6d off = boxminus(a.T_w_c.T.inverse() * b.T_w_c.T, in_session->T);
   const bool agree = off.tail<3>().norm() <= tolerance.distance + kSigmas * std &&
                      off.head<3>().norm() <= tolerance.rotation + kSigmas * turn_std;
   return agree ? Agreement::agree : Agreement::contradict;

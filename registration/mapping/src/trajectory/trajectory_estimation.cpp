@@ -143,11 +143,11 @@ CameraTrajectory TrajectoryEstimation::trajectory() const {
     const RelativePosition& at = graph[k].at;
     if (!at.known || graph[k].before + 1 != k) continue;
     const std::size_t first = graph[k - 1].image, last = graph[k].image;
-    const Vector6d error = perturbation(graph[k - 1].T_w_c.T * at.T, graph[k].T_w_c.T);
+    const Vector6d error = boxminus(graph[k].T_w_c.T, graph[k - 1].T_w_c.T * at.T);
     for (std::size_t i = first + 1; i < last; ++i)
       if (out.images[i].keyframe + 1 == k)
         out.images[i].T_w_c =
-            perturbed(out.images[i].T_w_c, error * (double(i - first) / double(last - first)));
+            boxplus(out.images[i].T_w_c, error * (double(i - first) / double(last - first)));
   }
   return out;
 }
