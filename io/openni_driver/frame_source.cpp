@@ -98,7 +98,7 @@ public:
     try {
       SimulatedRun run = simulatedRun(file.scene, file.seed, is_map ? kMappingRun : kLaterRun, frames,
                                       file.drive, file.pace, RouteEnd::go_round);
-      scene_ = std::move(run.scene);
+      world_ = std::move(run.world);
       poses_ = std::move(run.poses);
     } catch (const std::exception& e) {
       throw IoError("scene " + file.scene, e.what());
@@ -112,12 +112,12 @@ public:
     return microseconds(static_cast<double>(index) / file_.pace.rate);
   }
   void read(std::size_t index, std::uint16_t* depth) const override {
-    toMillimetres(simulated_camera_.render(scene_, poses_.at(index), index).depth, depth);
+    toMillimetres(simulated_camera_.render(world_, poses_.at(index), index).depth, depth);
   }
 
 private:
   SceneFile file_;
-  Scene scene_;
+  SimulatedWorld world_;
   std::vector<Eigen::Isometry3d> poses_;
   SimulatedCamera simulated_camera_;
 };

@@ -28,7 +28,7 @@ Camera robotCamera() {
   return camera;
 }
 
-View viewOf(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
+View viewOf(const SimulatedWorld& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
   static ViewBuilder builder(robotCamera());
   const SimulatedCamera camera(kinectIntrinsics().subsampled(2), SimulatedNoise{}, kSeed);
   View view = builder.build(camera.render(scene, T_w_c, frame).depth);
@@ -86,7 +86,7 @@ BENCHMARK(localization)
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-Cloud::Ptr cloudOf(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
+Cloud::Ptr cloudOf(const SimulatedWorld& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
   const DepthImage image =
       SimulatedCamera(kinectIntrinsics(), SimulatedNoise{}, kSeed).render(scene, T_w_c, frame).depth;
   auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
@@ -103,7 +103,7 @@ Cloud::Ptr cloudOf(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint
 // of a sample or, as through a pointer to PCL's class, of all points.
 enum Step { kAlign, kFitness, kFitnessOfAll };
 void registrationOfClouds(benchmark::State& state) {
-  const Scene scene = clutteredRoom(kSeed);
+  const SimulatedWorld scene = clutteredRoom(kSeed);
   PlanarRegistration<pcl::PointXYZ> registration;
   registration.setInputSource(cloudOf(scene, cameraPose(0.3, 0.1, 0.1), 1));
   registration.setInputTarget(cloudOf(scene, cameraPose(0.1, 0.1, 0), 2));

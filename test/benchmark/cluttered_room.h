@@ -19,12 +19,12 @@ inline Eigen::Isometry3d cameraPose(double x, double y, double heading) {
 
 // A room full of boxes, on the floor and on shelves, with free space in the middle: about twenty segments per
 // view.
-inline Scene clutteredRoom(std::uint64_t seed) {
+inline SimulatedWorld clutteredRoom(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto uniform = [&random](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
   };
-  Scene scene;
+  SimulatedWorld scene;
   std::uint16_t id = 1;
   Eigen::Isometry3d T(Eigen::Translation3d(0, 0, 1.5));
   addBox(scene, T, {5, 5, 1.5}, id);

@@ -48,7 +48,7 @@ struct Answered {
 };
 
 // The room's extent is its largest horizontal rectangle, the floor.
-Eigen::Vector2d floorHalfSize(const Scene& scene, Eigen::Vector2d& centre) {
+Eigen::Vector2d floorHalfSize(const SimulatedWorld& scene, Eigen::Vector2d& centre) {
   const Rectangle* floor = nullptr;
   for (const Rectangle& r : scene.rectangles)
     if (std::abs(r.centre.z()) < 1e-9 && (!floor || r.half_u * r.half_v > floor->half_u * floor->half_v))
@@ -108,7 +108,7 @@ public:
   }
 
 private:
-  Scene scene_;
+  SimulatedWorld scene_;
   std::mt19937_64 random_;
   SimulatedCamera camera_, small_camera_{kinectIntrinsics().subsampled(2), SimulatedNoise{}, 0};
   SimulatedCamera pinhole_{Intrinsics{3, 3, 1.0, 1.0, 1.0, 1.0}, SimulatedNoise{}, 0};

@@ -21,7 +21,7 @@ constexpr double kSwayDeg = 10;       // sway of the later run
 constexpr double kQueryStart = 1000;  // [s]
 constexpr std::uint64_t kRunSeeds = 64;
 
-Map seen(const Scene& scene, const SimulatedCamera& camera, const CameraMounting& mounting,
+Map seen(const SimulatedWorld& scene, const SimulatedCamera& camera, const CameraMounting& mounting,
          const std::vector<Eigen::Isometry3d>& poses, const std::vector<std::size_t>& frames,
          std::size_t first_frame, double first_stamp) {
   const std::vector<double> times = drivingTimes(basePoses(poses, mounting));

@@ -26,7 +26,7 @@ Json::Value pipelineFacts() {
   map->camera = camera;
   const SimulatedRun mapping = simulatedRun(kPlace, kSeed, kMappingRun, kMapped, drive);
   for (std::size_t i = 0; i < mapping.poses.size(); ++i) {
-    View view = builder.build(sensor.render(mapping.scene, mapping.poses[i], i).depth);
+    View view = builder.build(sensor.render(mapping.world, mapping.poses[i], i).depth);
     map->models.emplace_back(std::to_string(i), static_cast<double>(i), mapping.poses[i], std::move(view));
   }
   const SimulatedRun later = simulatedRun(kPlace, kSeed, kLaterRun, kLater, drive);
@@ -34,7 +34,7 @@ Json::Value pipelineFacts() {
   Json::Value out;
   double most = 0;  // probability of a second place
   for (std::size_t i = 0; i < later.poses.size(); ++i) {
-    const DepthImage image = sensor.render(later.scene, later.poses[i], 1000 + i).depth;
+    const DepthImage image = sensor.render(later.world, later.poses[i], 1000 + i).depth;
     const View view = builder.build(image);
     const Localization answer = localization.localize(view);
     // The image whose first place is sure, and has many pairs, and whose second one is the most likely.

@@ -37,7 +37,7 @@ Json::Value beyond(const Segment& plane, const Segment& other, const Eigen::Vect
 }  // namespace
 
 Json::Value segmentFacts() {
-  const Scene room = furnishedRoom(3);
+  const SimulatedWorld room = furnishedRoom(3);
   const Eigen::Isometry3d T = test::lookingAlong({0, 0, 1}, {0.9, 0.5, -0.15});
   const Intrinsics intrinsics = kinectIntrinsics().subsampled(2);
   ViewBuilder builder;

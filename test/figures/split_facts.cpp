@@ -10,7 +10,7 @@
 namespace facetloc::figures {
 
 Json::Value splitFacts() {
-  const Scene room = furnishedRoom(7);
+  const SimulatedWorld room = furnishedRoom(7);
   const Eigen::Isometry3d T = test::lookingAlong({0, 0, 1}, {1, -0.4, -0.2});
   const DepthImage image = SimulatedCamera(kinectIntrinsics().subsampled(2), {}, 1).render(room, T, 0).depth;
   ViewBuilder builder;

@@ -62,7 +62,7 @@ protected:
   }
   static void TearDownTestSuite() { map.reset(), queries.clear(), drive_on.clear(); }
 
-  static View see(const Scene& scene, const Eigen::Isometry3d& T_w_c) {
+  static View see(const SimulatedWorld& scene, const Eigen::Isometry3d& T_w_c) {
     static const SimulatedCamera camera(kinectIntrinsics().subsampled(2), SimulatedNoise{}, 3);
     static std::uint64_t frame = 0;
     return ViewBuilder(map->camera).build(camera.render(scene, T_w_c, frame++).depth);

@@ -17,13 +17,13 @@ constexpr double kWidth = 5, kDepth = 4,
                  kHeight = 2.6;  // height of a room with a cupboard and a beam under its ceiling
 constexpr double kEye = 1;
 
-void addBoxAt(Scene& scene, const Vector3d& low, const Vector3d& high, std::uint16_t& next_id) {
+void addBoxAt(SimulatedWorld& scene, const Vector3d& low, const Vector3d& high, std::uint16_t& next_id) {
   const Eigen::Isometry3d T(Eigen::Translation3d((low + high) / 2));
   addBox(scene, T, (high - low) / 2, next_id);
 }
 
-Scene room() {
-  Scene scene;
+SimulatedWorld room() {
+  SimulatedWorld scene;
   std::uint16_t next_id = 1;
   addBoxAt(scene, {0, 0, 0}, {kWidth, kDepth, kHeight}, next_id);
   addBoxAt(scene, {3.4, 0.02, 0}, {4.4, 0.62, 2}, next_id);

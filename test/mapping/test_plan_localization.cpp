@@ -40,14 +40,14 @@ const std::vector<Wall>& walls() {
   return all;
 }
 
-void addBoxAt(Scene& scene, const Vector3d& low, const Vector3d& high, std::uint16_t& next_id) {
+void addBoxAt(SimulatedWorld& scene, const Vector3d& low, const Vector3d& high, std::uint16_t& next_id) {
   const Eigen::Isometry3d T(Eigen::Translation3d((low + high) / 2));
   addBox(scene, T, (high - low) / 2, next_id);
 }
 
 /** The building with things that no plan shows: cupboards before its walls, a table, a shelf. */
-Scene furnished() {
-  Scene scene;
+SimulatedWorld furnished() {
+  SimulatedWorld scene;
   std::uint16_t next_id = 1;
   addBoxAt(scene, {-2, -1, -0.2}, {8, 7, 0}, next_id);
   addBoxAt(scene, {-2, -1, kHeight}, {8, 7, kHeight + 0.2}, next_id);
@@ -94,7 +94,7 @@ TEST(PlanLocalization, FurnitureThatThePlanLacksDoesNotObject) {
   internal::GlobalLocalization localization(map);
   const SimulatedCamera simulated(camera.intrinsics, {}, 3);
   ViewBuilder builder(camera);
-  const Scene scene = furnished();
+  const SimulatedWorld scene = furnished();
   int right = 0, sure = 0, asked = 0;
   for (const Vector2d& place : {Vector2d(1.5, 2.5), Vector2d(3, 2), Vector2d(4.6, 1.6), Vector2d(2.6, 3.2)})
     for (int heading = 20; heading < 360; heading += 60) {

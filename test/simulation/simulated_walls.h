@@ -18,7 +18,7 @@ inline Rectangle wallAt(double z, double half = 100, std::uint16_t id = 1) {
   return wall;
 }
 
-inline Scene sceneOf(const std::vector<Rectangle>& rectangles) { return {rectangles, {}}; }
+inline SimulatedWorld sceneOf(const std::vector<Rectangle>& rectangles) { return {rectangles, {}}; }
 
 /** \brief No error but those that the test sets. */
 inline SimulatedNoise noErrors() {

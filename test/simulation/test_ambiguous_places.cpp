@@ -19,7 +19,7 @@ protected:
   static SimulatedPlace place(const char* name) {
     return simulatedPlace(name, static_cast<std::uint64_t>(GetParam()));
   }
-  static DepthImage seen(const Scene& scene, const Eigen::Isometry3d& T_w_c) {
+  static DepthImage seen(const SimulatedWorld& scene, const Eigen::Isometry3d& T_w_c) {
     return SimulatedCamera(kinectIntrinsics().subsampled(8), SimulatedNoise(), 1)
         .renderExact(scene, T_w_c)
         .depth;

@@ -72,7 +72,7 @@ TEST(SimulatedCamera, TheOutlineOfARectangleIsExact) {
 
 TEST(SimulatedCamera, TheNearerSurfaceHidesTheFarther) {
   const Rectangle near_sheet = wallAt(1, 0.1, 2);
-  for (const Scene& scene :
+  for (const SimulatedWorld& scene :
        {sceneOf({wallAt(3, 100, 1), near_sheet}), sceneOf({near_sheet, wallAt(3, 100, 1)})}) {
     const auto frame =
         SimulatedCamera(kCamera, noErrors(), 1).renderExact(scene, Eigen::Isometry3d::Identity());
@@ -101,7 +101,7 @@ TEST(SimulatedCamera, AFloorThatPassesUnderTheCameraIsSeenUpToTheImageBorder) {
 
 TEST(SimulatedCamera, LabelsBelongToThePlanesOfTheirRectangles) {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const Scene room = randomRoom(seed);
+    const SimulatedWorld room = randomRoom(seed);
     std::map<int, Rectangle> by_id;
     for (const Rectangle& r : room.rectangles) by_id[r.plane_id] = r;
     for (const double yaw : {0.3, 2.0, 4.1}) {
@@ -122,7 +122,7 @@ TEST(SimulatedCamera, LabelsBelongToThePlanesOfTheirRectangles) {
 }
 
 TEST(SimulatedCamera, ABoxIsClosedAndItsFacesHaveIdsOfTheirOwn) {
-  Scene scene;
+  SimulatedWorld scene;
   std::uint16_t next_id = 5;
   Eigen::Isometry3d T(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()));
   T.translation() << 1, 2, 3;
@@ -143,7 +143,7 @@ TEST(SimulatedCamera, ABoxIsClosedAndItsFacesHaveIdsOfTheirOwn) {
 TEST(SimulatedCamera, RoomsKeepTheirPromises) {
   std::set<double> widths;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    const Scene room = randomRoom(seed, 8);
+    const SimulatedWorld room = randomRoom(seed, 8);
     ASSERT_EQ(room.rectangles.size(), 6u * 9u);
     Eigen::AlignedBox3d bounds;
     for (const Rectangle& r : room.rectangles)
@@ -168,7 +168,7 @@ TEST(SimulatedCamera, RoomsKeepTheirPromises) {
 }
 
 TEST(SimulatedCamera, SameSeedSameImageOtherSeedOtherImage) {
-  const Scene room = randomRoom(3);
+  const SimulatedWorld room = randomRoom(3);
   const auto pose = standing({0, 0, 1.2}, 1);
   const SimulatedCamera a(kCamera, SimulatedNoise(), 9), b(kCamera, SimulatedNoise(), 9),
       c(kCamera, SimulatedNoise(), 10);
@@ -179,7 +179,7 @@ TEST(SimulatedCamera, SameSeedSameImageOtherSeedOtherImage) {
 }
 
 TEST(SimulatedCamera, WithoutErrorsTheImageIsExact) {
-  const Scene room = randomRoom(3);
+  const SimulatedWorld room = randomRoom(3);
   const auto pose = standing({0, 0, 1.2}, 1);
   const SimulatedCamera camera(kCamera, noErrors(), 1);
   const auto truth = camera.renderExact(room, pose), image = camera.render(room, pose, 0);

@@ -12,7 +12,7 @@ namespace {
 
 class SimulatedDrive : public testing::TestWithParam<int> {
 protected:
-  const Scene scene_ = randomRoom(GetParam());
+  const SimulatedWorld scene_ = randomRoom(GetParam());
 };
 
 TEST_P(SimulatedDrive, StaysInsideAndClearOfWalls) {

@@ -48,7 +48,7 @@ private:
  * edges. */
 TEST(SimulatedModel, ShowsTheSurfacesOfTheCamera) {
   const SimulatedPlace place = simulatedPlace("office", 4);
-  Scene scene = lastingParts(place);
+  SimulatedWorld scene = lastingParts(place);
   scene.bodies.clear();
   const pcl::PolygonMesh mesh = meshOf(scene);
   const Triangles triangles(mesh);
@@ -70,10 +70,10 @@ TEST(SimulatedModel, ShowsTheSurfacesOfTheCamera) {
 TEST(SimulatedModel, HasNothingThatMoves) {
   for (const char* name : {"office", "home", "hall"}) {
     const SimulatedPlace place = simulatedPlace(name, 3);
-    const Scene scene = lastingParts(place);
+    const SimulatedWorld scene = lastingParts(place);
     EXPECT_LT(scene.rectangles.size(), place.mapped.rectangles.size()) << name;
     EXPECT_GT(2 * scene.rectangles.size(), place.mapped.rectangles.size()) << name;
-    const auto isIn = [](const Rectangle& r, const Scene& other) {
+    const auto isIn = [](const Rectangle& r, const SimulatedWorld& other) {
       return std::any_of(other.rectangles.begin(), other.rectangles.end(), [&r](const Rectangle& o) {
         return o.centre == r.centre && o.axis_u == r.axis_u && o.half_u == r.half_u && o.half_v == r.half_v;
       });

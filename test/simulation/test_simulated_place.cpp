@@ -42,7 +42,7 @@ bool allSame(const Things& a, const Things& b) {
                     [](const auto& x, const auto& y) { return same(x, y); });
 }
 
-bool same(const Scene& a, const Scene& b) {
+bool same(const SimulatedWorld& a, const SimulatedWorld& b) {
   return allSame(a.rectangles, b.rectangles) && allSame(a.bodies, b.bodies);
 }
 
@@ -141,7 +141,7 @@ double clearance(const RoundBody& body, const Stretch& way) {
   return distance(middle, way) - body.half_size.head<2>().maxCoeff();
 }
 
-void expectFreeLanes(const Scene& scene, const Route& route) {
+void expectFreeLanes(const SimulatedWorld& scene, const Route& route) {
   constexpr double kClearance = 0.25;  // [m] half the width of a small robot, and some air
   for (const Stretch& way : stretches(route)) {
     double least = std::numeric_limits<double>::infinity();
@@ -172,7 +172,7 @@ TEST_P(SimulatedPlaces, TheSameSeedGivesTheSamePlace) {
 TEST_P(SimulatedPlaces, RectanglesAreWellFormed) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const SimulatedPlace p = place(seed);
-    for (const Scene* scene : {&p.mapped, &p.later}) {
+    for (const SimulatedWorld* scene : {&p.mapped, &p.later}) {
       for (const Rectangle& r : scene->rectangles) {
         ASSERT_NEAR(r.axis_u.norm(), 1, 1e-9);
         ASSERT_NEAR(r.axis_v.norm(), 1, 1e-9);
@@ -192,7 +192,7 @@ TEST_P(SimulatedPlaces, RectanglesOfOneIdAreOnePlane) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const SimulatedPlace p = place(seed);
     std::map<int, Rectangle> first;
-    for (const Scene* scene : {&p.mapped, &p.later})
+    for (const SimulatedWorld* scene : {&p.mapped, &p.later})
       for (const Rectangle& r : scene->rectangles) {
         const Rectangle& other = first.emplace(r.plane_id, r).first->second;
         ASSERT_NEAR(std::abs(r.normal().dot(other.normal())), 1, 1e-9) << r.plane_id;
@@ -201,7 +201,7 @@ TEST_P(SimulatedPlaces, RectanglesOfOneIdAreOnePlane) {
   }
 }
 
-std::map<int, std::vector<Rectangle>> byId(const Scene& scene) {
+std::map<int, std::vector<Rectangle>> byId(const SimulatedWorld& scene) {
   std::map<int, std::vector<Rectangle>> all;
   for (const Rectangle& r : scene.rectangles) all[r.plane_id].push_back(r);
   return all;

@@ -19,7 +19,7 @@ TEST(SimulatedRun, DrivesTheRouteOfItsRun) {
              simulateDrive(office.mapping_route, 20, {}, 3 * 64));
   const SimulatedRun later = simulatedRun("office", 3, kLaterRun, 20, {});
   expectSame(later.poses, simulateDrive(office.query_route, 20, {}, 3 * 64 + 1));
-  EXPECT_EQ(later.scene.rectangles.size(), office.later.rectangles.size());
+  EXPECT_EQ(later.world.rectangles.size(), office.later.rectangles.size());
 }
 
 TEST(SimulatedRun, EndsWhereAOneWayRouteEndsUnlessItReturns) {
@@ -31,7 +31,7 @@ TEST(SimulatedRun, EndsWhereAOneWayRouteEndsUnlessItReturns) {
 
 TEST(SimulatedRun, ARoomIsThatOfItsSeed) {
   const SimulatedRun run = simulatedRun(kRoomName, 5, kLaterRun, 10, {});
-  EXPECT_EQ(run.scene.rectangles.size(), furnishedRoom(5).rectangles.size());
+  EXPECT_EQ(run.world.rectangles.size(), furnishedRoom(5).rectangles.size());
   expectSame(run.poses, simulateDrive(furnishedRoom(5), 10, {}, runSeed(5, kLaterRun)));
   EXPECT_THROW(simulatedRun("cellar", 1, kMappingRun, 10, {}), std::invalid_argument);
 }

@@ -11,16 +11,16 @@ namespace {
 
 const Intrinsics kCamera{160, 120, 131.25, 131.25, 79.5, 59.5};
 
-Scene wall(double std, std::uint64_t seed = 1) {
+SimulatedWorld wall(double std, std::uint64_t seed = 1) {
   Rectangle r;
   r.centre = {0, 0, 3};
   r.half_u = r.half_v = 100;
-  Scene scene{{r}, {}};
+  SimulatedWorld scene{{r}, {}};
   scene.bending.std = std, scene.bending.seed = seed;
   return scene;
 }
 
-DepthImage seenFrom(const Scene& scene, const Eigen::Isometry3d& T_w_c) {
+DepthImage seenFrom(const SimulatedWorld& scene, const Eigen::Isometry3d& T_w_c) {
   return SimulatedCamera(kCamera, SimulatedNoise(), 1).renderExact(scene, T_w_c).depth;
 }
 
@@ -44,7 +44,7 @@ TEST(SurfaceBending, IsSmooth) {
 }
 
 TEST(SurfaceBending, BelongsToTheSurfaceAndNotToTheCamera) {
-  const Scene scene = wall(0.02);
+  const SimulatedWorld scene = wall(0.02);
   const DepthImage first = seenFrom(scene, at(0));
   const Eigen::Isometry3d T = at(0.8, -0.2);
   const DepthImage second = seenFrom(scene, T);

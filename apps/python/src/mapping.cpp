@@ -78,13 +78,13 @@ struct Drive {
     const bool is_map = run == "map";
     SimulatedRun made =
         simulatedRun(place, seed, is_map ? kMappingRun : kLaterRun, static_cast<std::size_t>(frames), params);
-    scene = std::move(made.scene);
+    world = std::move(made.world);
     poses = std::move(made.poses);
   }
 
   DriveParams params;
   SimulatedCamera camera;
-  Scene scene;
+  SimulatedWorld world;
   std::vector<Eigen::Isometry3d> poses;
 };
 
@@ -92,7 +92,7 @@ py::dict frameOf(const Drive& drive, std::size_t index) {
   SimulatedFrame frame;
   {
     const py::gil_scoped_release others_run;
-    frame = drive.camera.render(drive.scene, drive.poses.at(index), index);
+    frame = drive.camera.render(drive.world, drive.poses.at(index), index);
   }
   const Intrinsics& k = drive.camera.camera();
   py::array_t<float> depth({k.height, k.width});

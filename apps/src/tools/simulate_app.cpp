@@ -84,7 +84,7 @@ std::vector<std::uint64_t> numbers(std::uint64_t first, std::size_t n) {
   return all;
 }
 
-std::map<int, WorldPlane> planesOf(const Scene& scene) {
+std::map<int, WorldPlane> planesOf(const SimulatedWorld& scene) {
   std::map<int, WorldPlane> planes;
   for (const Rectangle& r : scene.rectangles)
     planes.emplace(r.plane_id, WorldPlane{r.normal(), r.normal().dot(r.centre)});
@@ -138,7 +138,7 @@ private:
   /** A sequence: folder, poses, stamps. */
   struct Run {
     std::string name;
-    const Scene* scene;
+    const SimulatedWorld* scene;
     std::vector<std::uint64_t> noise;  // that each image has
     bool labels;
     std::vector<Eigen::Isometry3d> poses;
@@ -152,7 +152,7 @@ private:
 
   /** The runs through a place. */
   struct Place {
-    std::shared_ptr<const Scene> mapped, later;
+    std::shared_ptr<const SimulatedWorld> mapped, later;
     std::vector<Run> runs;  // those that are wanted
     std::vector<Eigen::AlignedBox2d> unmapped_rooms;
   };
@@ -241,8 +241,8 @@ private:
     Place place;
     made.mapped.bending.std = surface_error_;
     made.mapped.bending.seed = seed;
-    place.mapped = std::make_shared<Scene>(std::move(made.mapped));
-    place.later = std::make_shared<Scene>(std::move(made.later));
+    place.mapped = std::make_shared<SimulatedWorld>(std::move(made.mapped));
+    place.later = std::make_shared<SimulatedWorld>(std::move(made.later));
     place.unmapped_rooms = std::move(made.unmapped_rooms);
     made.mapping_route = roundsOf(made.mapping_route, rounds_, runSeed(seed, kSeedOfRounds));
     const RouteEnd end = made.one_way ? RouteEnd::stop : RouteEnd::go_round;
@@ -250,7 +250,7 @@ private:
     // All runs are driven, whatever is wanted: none depends on the others being made. In a room they meet
     // where the first one starts.
     std::optional<Eigen::Vector2d> start;
-    const auto drive = [&](const Scene& scene, const Route& route, std::size_t frames,
+    const auto drive = [&](const SimulatedWorld& scene, const Route& route, std::size_t frames,
                            const DriveParams& params, std::uint64_t run,
                            const std::optional<PaceParams>& pace) {
       const std::uint64_t run_seed = runSeed(seed, run);

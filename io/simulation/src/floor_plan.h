@@ -256,13 +256,13 @@ private:
 inline void mirror(SimulatedPlace& place, double width) {
   const auto point = [width](Eigen::Vector3d p) { return Eigen::Vector3d(width - p.x(), p.y(), p.z()); };
   const auto direction = [](Eigen::Vector3d d) { return Eigen::Vector3d(-d.x(), d.y(), d.z()); };
-  for (Scene* scene : {&place.mapped, &place.later}) {
-    for (Rectangle& r : scene->rectangles) {
+  for (SimulatedWorld* world : {&place.mapped, &place.later}) {
+    for (Rectangle& r : world->rectangles) {
       r.centre = point(r.centre);
       r.axis_u = direction(r.axis_u);
       r.axis_v = direction(r.axis_v);
     }
-    for (RoundBody& body : scene->bodies) {
+    for (RoundBody& body : world->bodies) {
       // Round bodies are their own mirror images: a flipped axis of the body makes the frame right-handed
       // again.
       const Eigen::Matrix3d axes = body.T_w_b.linear();

@@ -13,7 +13,7 @@
 #include <vector>
 
 /** \file
- * Intersections of a camera's rays with a scene. */
+ * Intersections of a camera's rays with a world. */
 
 namespace facetloc {
 
@@ -172,12 +172,12 @@ inline std::size_t pixelCount(const Intrinsics& camera) { return std::size_t(cam
 class Hits {
 public:
   /** \param opaque which pixels are reflected by glass; none if it is empty. */
-  Hits(const Scene& scene, const Eigen::Isometry3d& T_w_c, const Intrinsics& camera,
+  Hits(const SimulatedWorld& world, const Eigen::Isometry3d& T_w_c, const Intrinsics& camera,
        const std::vector<bool>& opaque = {})
       : depth(pixelCount(camera), kMiss), surface(pixelCount(camera), kNothing) {
     const Eigen::Isometry3d T_c_w = T_w_c.inverse();
-    for (const Rectangle& r : scene.rectangles) facets_.emplace_back(r, T_c_w);
-    for (const RoundBody& b : scene.bodies) quadrics_.emplace_back(b, T_c_w);
+    for (const Rectangle& r : world.rectangles) facets_.emplace_back(r, T_c_w);
+    for (const RoundBody& b : world.bodies) quadrics_.emplace_back(b, T_c_w);
     int number = 0;
     for (const Facet& facet : facets_) cast(facet, number++, camera, opaque);
     for (const Quadric& quadric : quadrics_) cast(quadric, number++, camera, opaque);

@@ -32,7 +32,7 @@ struct Opening {
   bool glazed = false;  ///< a pane in the middle of the wall's thickness
 };
 
-/** \brief Puts a simulated place together: every function adds to the scene that is mapped, to the later one,
+/** \brief Puts a simulated place together: every function adds to the world that is mapped, to the later one,
  * or to both, and numbers the planes. z is up, the floor is at z = 0, lengths are in metres. */
 class SceneBuilder {
 public:

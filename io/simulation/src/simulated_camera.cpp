@@ -175,9 +175,10 @@ SimulatedCamera::SimulatedCamera(const Intrinsics& camera, const SimulatedNoise&
                  [scale](double value) { return static_cast<float>(scale * value); });
 }
 
-SimulatedFrame SimulatedCamera::renderExact(const Scene& scene, const Eigen::Isometry3d& T_w_c) const {
-  const Hits hits(scene, T_w_c, camera_);
-  BentSurfaces bent(scene.bending, T_w_c);
+SimulatedFrame SimulatedCamera::renderExact(const SimulatedWorld& world,
+                                            const Eigen::Isometry3d& T_w_c) const {
+  const Hits hits(world, T_w_c, camera_);
+  BentSurfaces bent(world.bending, T_w_c);
   SimulatedFrame frame = emptyFrame(camera_);
   for (int v = 0; v < camera_.height; ++v)
     for (int u = 0; u < camera_.width; ++u) {
@@ -191,15 +192,16 @@ SimulatedFrame SimulatedCamera::renderExact(const Scene& scene, const Eigen::Iso
   return frame;
 }
 
-SimulatedFrame SimulatedCamera::render(const Scene& scene, const Eigen::Isometry3d& T_w_c,
+SimulatedFrame SimulatedCamera::render(const SimulatedWorld& world, const Eigen::Isometry3d& T_w_c,
                                        std::uint64_t frame_index) const {
-  Seen seen = surfacesSeen(scene, T_w_c, frame_index);
+  Seen seen = surfacesSeen(world, T_w_c, frame_index);
   shareErrors(seen.depth, frame_index);
   return measured(seen, frame_index);
 }
 
-/** The surfaces that the camera perceives in the scene, before it measures their distance. */
-SimulatedCamera::Seen SimulatedCamera::surfacesSeen(const Scene& scene, const Eigen::Isometry3d& T_w_c,
+/** The surfaces that the camera perceives in the world, before it measures their distance. */
+SimulatedCamera::Seen SimulatedCamera::surfacesSeen(const SimulatedWorld& world,
+                                                    const Eigen::Isometry3d& T_w_c,
                                                     std::uint64_t frame_index) const {
   const double scale = camera_.width / kReferenceWidth;
   const auto stream = [&](Purpose purpose) { return Random(derivedSeed(seed_, purpose, frame_index)); };
@@ -208,8 +210,8 @@ SimulatedCamera::Seen SimulatedCamera::surfacesSeen(const Scene& scene, const Ei
   std::vector<bool> opaque(blobs.size());
   std::transform(blobs.begin(), blobs.end(), opaque.begin(), [](double b) { return b > kGlassSeen; });
 
-  const Hits hits(scene, T_w_c, camera_, opaque);
-  BentSurfaces bent(scene.bending, T_w_c);
+  const Hits hits(world, T_w_c, camera_, opaque);
+  BentSurfaces bent(world.bending, T_w_c);
   const std::vector<bool> lit = litByProjector(hits.depth);
   const auto covered = fattened(hits, camera_, noise_.fattening_px * scale);
   const auto seen =

@@ -39,9 +39,9 @@ private:
 /** The room as a robot sees it: where it may stand. */
 class FloorPlan {
 public:
-  FloorPlan(const Scene& scene, double robot_height, double clearance) : clearance_(clearance) {
-    for (const Rectangle& r : scene.rectangles) addExtent(r);
-    for (const Rectangle& r : scene.rectangles) addObstacle(r, robot_height);
+  FloorPlan(const SimulatedWorld& world, double robot_height, double clearance) : clearance_(clearance) {
+    for (const Rectangle& r : world.rectangles) addExtent(r);
+    for (const Rectangle& r : world.rectangles) addObstacle(r, robot_height);
   }
 
   std::optional<Eigen::Vector2d> freePlace(Random& random) const {
@@ -269,12 +269,12 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t fra
   return std::move(robot).poses();
 }
 
-std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t frames,
+std::vector<Eigen::Isometry3d> simulateDrive(const SimulatedWorld& world, std::size_t frames,
                                              const DriveParams& params, std::uint64_t seed,
                                              const std::optional<Eigen::Vector2d>& start,
                                              const std::optional<PaceParams>& pace) {
   Random random(seed);
-  const FloorPlan plan(scene, params.camera_height + 0.1, params.clearance);
+  const FloorPlan plan(world, params.camera_height + 0.1, params.clearance);
   const auto first = start ? start : plan.freePlace(random);
   if (!first)
     throw std::runtime_error("the room leaves no place to drive; take another seed or a smaller clearance");

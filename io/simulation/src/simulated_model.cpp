@@ -130,24 +130,24 @@ void flood(const std::vector<Eigen::Vector2d>& places, OccupancyGrid& grid) {
 
 }  // namespace
 
-Scene lastingParts(const SimulatedPlace& place) {
+SimulatedWorld lastingParts(const SimulatedPlace& place) {
   std::set<std::uint16_t> later;
   for (const Rectangle& r : place.later.rectangles) later.insert(r.plane_id);
-  Scene scene;
+  SimulatedWorld world;
   for (const Rectangle& r : place.mapped.rectangles)
-    if (later.count(r.plane_id) > 0) scene.rectangles.push_back(r);
+    if (later.count(r.plane_id) > 0) world.rectangles.push_back(r);
   for (const RoundBody& body : place.mapped.bodies)
     if (std::any_of(place.later.bodies.begin(), place.later.bodies.end(),
                     [&body](const RoundBody& other) { return same(body, other); }))
-      scene.bodies.push_back(body);
-  return scene;
+      world.bodies.push_back(body);
+  return world;
 }
 
-pcl::PolygonMesh meshOf(const Scene& scene) {
+pcl::PolygonMesh meshOf(const SimulatedWorld& world) {
   MeshBuilder mesh;
-  for (const Rectangle& r : scene.rectangles)
+  for (const Rectangle& r : world.rectangles)
     if (r.material != Material::glass) addTo(mesh, r);
-  for (const RoundBody& body : scene.bodies)
+  for (const RoundBody& body : world.bodies)
     if (body.material != Material::glass) addTo(mesh, body);
   return mesh.finish();
 }

@@ -6,7 +6,7 @@
 
 namespace facetloc {
 
-Scene furnishedRoom(std::uint64_t seed) {
+SimulatedWorld furnishedRoom(std::uint64_t seed) {
   constexpr int kBoxes = 16;
   return randomRoom(seed, kBoxes);
 }
@@ -24,7 +24,7 @@ SimulatedRun simulatedRun(const std::string& place, std::uint64_t seed, std::uin
                           std::optional<RouteEnd> end) {
   const std::uint64_t run_seed = runSeed(seed, run);
   if (place == kRoomName) {
-    Scene room = furnishedRoom(seed);
+    SimulatedWorld room = furnishedRoom(seed);
     std::vector<Eigen::Isometry3d> poses = simulateDrive(room, frames, params, run_seed, {}, pace);
     return {std::move(room), std::move(poses)};
   }

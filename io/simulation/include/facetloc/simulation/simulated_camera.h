@@ -81,23 +81,25 @@ struct SimulatedFrame {
   LabelImage labels;  ///< true plane ids, 0 = nothing seen
 };
 
-/** \brief Casts rays at a scene and adds the errors of a depth camera. Deterministic: the same
- * scene, pose, camera and seed give the same image. */
+/** \brief Casts rays at a world and adds the errors of a depth camera. Deterministic: the same
+ * world, pose, camera and seed give the same image. */
 class SimulatedCamera {
 public:
   SimulatedCamera(const Intrinsics& camera, const SimulatedNoise& noise, std::uint64_t seed);
   const Intrinsics& camera() const { return camera_; }
   /** \brief Exact depth and labels, without any error of the camera; panes of glass are not there. */
-  SimulatedFrame renderExact(const Scene& scene, const Eigen::Isometry3d& T_w_c) const;
+  SimulatedFrame renderExact(const SimulatedWorld& world, const Eigen::Isometry3d& T_w_c) const;
   /** \brief A frame as the sensor sees it; frame_index selects the noise. */
-  SimulatedFrame render(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame_index) const;
+  SimulatedFrame render(const SimulatedWorld& world, const Eigen::Isometry3d& T_w_c,
+                        std::uint64_t frame_index) const;
 
 private:
   struct Seen {
     std::vector<double> depth;  // [m], 0 where nothing is seen
     LabelImage labels;
   };
-  Seen surfacesSeen(const Scene& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame_index) const;
+  Seen surfacesSeen(const SimulatedWorld& world, const Eigen::Isometry3d& T_w_c,
+                    std::uint64_t frame_index) const;
   void shareErrors(std::vector<double>& depth, std::uint64_t frame_index) const;
   SimulatedFrame measured(const Seen& seen, std::uint64_t frame_index) const;
   double randomStd(double z) const;

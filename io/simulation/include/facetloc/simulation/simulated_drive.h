@@ -81,7 +81,7 @@ std::vector<Eigen::Isometry3d> simulateDrive(const Route& route, std::size_t fra
  *
  * \param start where it begins, so that two drives can be of the same part of a room; a free place by
  * default. Throws std::runtime_error if the room leaves no place to drive. */
-std::vector<Eigen::Isometry3d> simulateDrive(const Scene& scene, std::size_t frames,
+std::vector<Eigen::Isometry3d> simulateDrive(const SimulatedWorld& world, std::size_t frames,
                                              const DriveParams& params, std::uint64_t seed,
                                              const std::optional<Eigen::Vector2d>& start = {},
                                              const std::optional<PaceParams>& pace = {});
@@ -109,15 +109,15 @@ constexpr std::uint64_t runSeed(std::uint64_t place_seed, std::uint64_t run) {
 }
 
 /** \brief A random room with enough boxes for most views to show planes of three directions. */
-Scene furnishedRoom(std::uint64_t seed);
+SimulatedWorld furnishedRoom(std::uint64_t seed);
 
 /** \brief A Kinect's intrinsics for images of that width, with the principal point in the middle, where PCL
  * assumes it. */
 Intrinsics centredKinect(int width);
 
-/** \brief The poses T_w_c of a camera on its way through a scene. */
+/** \brief The poses T_w_c of a camera on its way through a world. */
 struct SimulatedRun {
-  Scene scene;
+  SimulatedWorld world;
   std::vector<Eigen::Isometry3d> poses;
 };
 

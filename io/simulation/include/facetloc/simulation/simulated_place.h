@@ -43,7 +43,7 @@ struct RoundBody {
   Material material = Material::matt;
 };
 
-/** \brief How far surfaces are from where a scene says: each is moved along its normal by a smooth function
+/** \brief How far surfaces are from where a world says: each is moved along its normal by a smooth function
  * of the place on it, another one for each plane id. */
 struct SurfaceBending {
   double std = 0;          ///< standard deviation of the displacement [m]; 0 = surfaces without errors
@@ -52,18 +52,18 @@ struct SurfaceBending {
 };
 
 /** \brief The surfaces that a simulated camera can see; z up, floor at z = 0. */
-struct Scene {
+struct SimulatedWorld {
   std::vector<Rectangle> rectangles;
   std::vector<RoundBody> bodies;
   SurfaceBending bending{};
 };
 
 /** \brief Adds the six faces of a box (centre, orientation, half sizes); plane ids count up from next_id. */
-void addBox(Scene& scene, const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& half_size,
+void addBox(SimulatedWorld& world, const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& half_size,
             std::uint16_t& next_id);
 /** \brief A closed room of random size with random boxes on its floor and walls, z up, floor at z = 0. The
  * middle, within 0.8 m of the z axis, is free for a camera. Same seed, same room. */
-Scene randomRoom(std::uint64_t seed, int boxes = 8);
+SimulatedWorld randomRoom(std::uint64_t seed, int boxes = 8);
 
 /** \brief A place on a robot's way, and its actions there before it goes on straight to the next one. */
 struct Waypoint {
@@ -82,8 +82,8 @@ using PlanOutline = std::vector<Eigen::Vector2d>;
  *
  * A plane that is the same in both has the same id; moved planes have new ones. */
 struct SimulatedPlace {
-  Scene mapped;  ///< when the map is made
-  Scene later;   ///< when the robot comes back
+  SimulatedWorld mapped;  ///< when the map is made
+  SimulatedWorld later;   ///< when the robot comes back
   Route mapping_route;
   Route query_route;                                ///< another line through the same places
   std::vector<Eigen::AlignedBox2d> unmapped_rooms;  ///< on the query route only
@@ -111,12 +111,12 @@ const std::vector<std::string>& simulatedPlaceNames();
  * - box: a cabinet on a bare floor, driven around, which looks the same from opposite sides. */
 SimulatedPlace simulatedPlace(const std::string& name, std::uint64_t seed);
 
-/** \brief The part of a place that is the same in both of its scenes: without movable things. */
-Scene lastingParts(const SimulatedPlace& place);
+/** \brief The part of a place that is the same in both of its worlds: without movable things. */
+SimulatedWorld lastingParts(const SimulatedPlace& place);
 
-/** \brief Mesh of the visible surfaces of a scene, without their bending: no glass; round bodies have 24
+/** \brief Mesh of the visible surfaces of a world, without their bending: no glass; round bodies have 24
  * sides. Triangles of float x, y, z [m]. */
-pcl::PolygonMesh meshOf(const Scene& scene);
+pcl::PolygonMesh meshOf(const SimulatedWorld& world);
 
 /** \brief Occupancy grid of the walls of a place as a plan shows them: whole at their windows, open at doors,
  * without doors and furniture. Free is the floor that the robot can reach without a door that it never drives

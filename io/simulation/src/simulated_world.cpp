@@ -8,7 +8,7 @@
 
 namespace facetloc {
 
-void addBox(Scene& scene, const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& half_size,
+void addBox(SimulatedWorld& world, const Eigen::Isometry3d& T_w_box, const Eigen::Vector3d& half_size,
             std::uint16_t& next_id) {
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -20,7 +20,7 @@ void addBox(Scene& scene, const Eigen::Isometry3d& T_w_box, const Eigen::Vector3
       face.half_u = half_size[u];
       face.half_v = half_size[v];
       face.plane_id = next_id++;
-      scene.rectangles.push_back(face);
+      world.rectangles.push_back(face);
     }
   }
 }
@@ -47,7 +47,7 @@ Eigen::Isometry3d boxPose(double x, double y, double z, double yaw) {
 }
 
 /** A box on the floor, anywhere but in the free middle. */
-void addFloorBox(Scene& scene, const Eigen::Vector3d& room, Random& random, std::uint16_t& next_id) {
+void addFloorBox(SimulatedWorld& world, const Eigen::Vector3d& room, Random& random, std::uint16_t& next_id) {
   const double yaw = random.uniform() < kShareOfTurnedBoxes ? random.uniform(0, EIGEN_PI / 2) : 0.0;
   const double half_height = random.uniform(kMinBoxHeight, kMaxBoxHeight) / 2;
   double a = random.uniform(kMinBoxSide, kMaxBoxSide) / 2, b = random.uniform(kMinBoxSide, kMaxBoxSide) / 2;
@@ -56,12 +56,12 @@ void addFloorBox(Scene& scene, const Eigen::Vector3d& room, Random& random, std:
     const double room_x = room.x() / 2 - (c * a + s * b), room_y = room.y() / 2 - (s * a + c * b);
     const double x = random.uniform(-room_x, room_x), y = random.uniform(-room_y, room_y);
     if (std::hypot(x, y) - std::hypot(a, b) < kFreeRadius) continue;
-    return addBox(scene, boxPose(x, y, half_height, yaw), {a, b, half_height}, next_id);
+    return addBox(world, boxPose(x, y, half_height, yaw), {a, b, half_height}, next_id);
   }
 }
 
 /** A box on a wall, at any height. */
-void addCupboard(Scene& scene, const Eigen::Vector3d& room, Random& random, std::uint16_t& next_id) {
+void addCupboard(SimulatedWorld& world, const Eigen::Vector3d& room, Random& random, std::uint16_t& next_id) {
   const int wall = static_cast<int>(4 * random.uniform());
   const double half_depth = random.uniform(kMinCupboardDepth, kMaxCupboardDepth) / 2;
   const double half_width = random.uniform(kMinBoxSide, kMaxBoxSide) / 2;
@@ -74,25 +74,25 @@ void addCupboard(Scene& scene, const Eigen::Vector3d& room, Random& random, std:
   const double z = random.uniform(half_height, room.z() - half_height);
   const Eigen::Vector3d half_size = on_x ? Eigen::Vector3d(half_depth, half_width, half_height)
                                          : Eigen::Vector3d(half_width, half_depth, half_height);
-  addBox(scene, on_x ? boxPose(to_wall, along, z, 0) : boxPose(along, to_wall, z, 0), half_size, next_id);
+  addBox(world, on_x ? boxPose(to_wall, along, z, 0) : boxPose(along, to_wall, z, 0), half_size, next_id);
 }
 
 }  // namespace
 
-Scene randomRoom(std::uint64_t seed, int boxes) {
+SimulatedWorld randomRoom(std::uint64_t seed, int boxes) {
   Random random(seed);
   Eigen::Vector3d room;  // one draw per statement: the order of arguments is the compiler's choice
   room.x() = random.uniform(kMinRoom, kMaxRoom);
   room.y() = random.uniform(kMinRoom, kMaxRoom);
   room.z() = random.uniform(kMinCeiling, kMaxCeiling);
-  Scene scene;
+  SimulatedWorld world;
   std::uint16_t next_id = 1;
-  addBox(scene, boxPose(0, 0, room.z() / 2, 0), room / 2, next_id);  // walls, floor and ceiling
+  addBox(world, boxPose(0, 0, room.z() / 2, 0), room / 2, next_id);  // walls, floor and ceiling
   for (int i = 0; i < boxes; ++i) {
     const bool on_wall = random.uniform() < kShareOfCupboards;
-    (on_wall ? addCupboard : addFloorBox)(scene, room, random, next_id);
+    (on_wall ? addCupboard : addFloorBox)(world, room, random, next_id);
   }
-  return scene;
+  return world;
 }
 
 }  // namespace facetloc
