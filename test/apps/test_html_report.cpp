@@ -229,7 +229,7 @@ TEST(ChartData, IsThatOfATrajectory) {
   pair.truth.translation() << 1, 2, 3;
   pair.estimated.translation() << 1.5, 2, 3;
   errors.pairs = {pair};
-  errors.way = {7};
+  errors.distance = {7};
   errors.translation = {0.5};
   errors.rotation_deg = {4};
   const Json::Value data = chartData(errors);

@@ -144,16 +144,16 @@ TEST_F(Tools, SimulateStampsImagesAsARobotDrives) {
     ASSERT_EQ(poses.size(), run == std::string("map") ? 120u : 60u);
     EXPECT_GT(poses.front().stamp, stamp) << "no two images have the same stamp";
     stamp = poses.back().stamp;
-    double way = 0;
+    double distance = 0;
     for (std::size_t i = 1; i < poses.size(); ++i) {
       const Eigen::Isometry3d from = poses[i - 1].T_w_c * T_c_b, to = poses[i].T_w_c * T_c_b;
       const double length = (to.translation() - from.translation()).head<2>().norm();
       const double time = poses[i].stamp - poses[i - 1].stamp;
       EXPECT_LE(length, 0.5 * time + 1e-5) << i;
       EXPECT_GE(time, 1 / 30. - 1e-5) << i;
-      way += length;
+      distance += length;
     }
-    EXPECT_GT(way / (poses.back().stamp - poses.front().stamp), 0.15) << "nor does it dawdle";
+    EXPECT_GT(distance / (poses.back().stamp - poses.front().stamp), 0.15) << "nor does it dawdle";
   }
 }
 

@@ -58,15 +58,15 @@ TEST(TrajectoryErrors, AreZeroInAnotherFrame) {
   for (const RelativeErrors& r : e.relative) EXPECT_NEAR(r.translation.max, 0, 1e-9) << r.over;
 }
 
-TEST(TrajectoryErrors, AWrongScaleIsAShareOfTheWay) {
+TEST(TrajectoryErrors, AWrongScaleIsAShareOfTheDistance) {
   // 2 % too long: after alignment of the middles the error grows from there to both ends.
   const int steps = 100;
-  const double way = steps * kStep;
+  const double distance = steps * kStep;
   const TrajectoryErrors e = trajectoryErrors(straight(steps, 0, 1.02), straight(steps));
-  EXPECT_NEAR(e.absolute.max, 0.02 * way / 2, 1e-9);
+  EXPECT_NEAR(e.absolute.max, 0.02 * distance / 2, 1e-9);
   const double n = steps + 1;  // equally spaced: variance (n^2 - 1) / 12
   EXPECT_NEAR(e.absolute.rmse, 0.02 * kStep * std::sqrt((n * n - 1) / 12), 1e-9);
-  EXPECT_NEAR(e.share(), e.absolute.rmse / way, 1e-12);
+  EXPECT_NEAR(e.share(), e.absolute.rmse / distance, 1e-12);
   EXPECT_NEAR(e.absolute_rotation_deg.max, 0, 1e-6);
   for (const std::string what : {"1 s", "1 m", "10 % of the way"}) {
     EXPECT_NEAR(over(e, what).translationShare(), 0.02, 1e-9) << what;
@@ -116,7 +116,7 @@ TEST(TrajectoryErrors, NoIntervalBridgesAGap) {
   EXPECT_EQ(over(e, "1 s").intervals, 15u + 16) << "of 20 and of 21 poses";
 }
 
-TEST(TrajectoryErrors, ACameraThatStandsHasNoWay) {
+TEST(TrajectoryErrors, ACameraThatStandsHasNoDistance) {
   std::vector<StampedPose> poses;
   for (int i = 0; i < 20; ++i) poses.push_back({i * 0.1, pose(1, 2, 3, 0.5)});
   const TrajectoryErrors e = trajectoryErrors(Trajectory(poses), Trajectory(poses));

@@ -46,18 +46,18 @@ TEST(RepeatedLooks, TheFirstOneCountsInFull) {
 
 TEST(RepeatedLooks, HaveTheInformationOfCorrelatedMeasurements) {
   // The mean of n measurements whose errors have the correlation rho^|i - k|, by their whole covariance.
-  for (const double way : {0.01, 0.1, 0.4}) {
+  for (const double distance : {0.01, 0.1, 0.4}) {
     RepeatedLooks looks;
     looks.add({{0, 0, 0}}, twoModels());
-    looks.move(Eigen::Isometry3d(Eigen::Translation3d(0, way, 0)));
-    const double rho = std::exp(-way / RepeatedLooks::kDistance);
+    looks.move(Eigen::Isometry3d(Eigen::Translation3d(0, distance, 0)));
+    const double rho = std::exp(-distance / RepeatedLooks::kDistance);
     const auto information = [rho](int n) {
       Eigen::MatrixXd C(n, n);
       for (int i = 0; i < n; ++i)
         for (int k = 0; k < n; ++k) C(i, k) = std::pow(rho, std::abs(i - k));
       return C.llt().solve(Eigen::VectorXd::Ones(n)).sum();
     };
-    EXPECT_NEAR(1 / factor(looks, 0), information(11) - information(10), 1e-9) << way;
+    EXPECT_NEAR(1 / factor(looks, 0), information(11) - information(10), 1e-9) << distance;
   }
 }
 

@@ -25,7 +25,7 @@ Segment level(const CameraMounting& mounting, double below) {
 }
 
 /** \param sway of height and tilt [m, deg], standard deviations */
-Map drive(const CameraMounting& mounting, double sway_height, double sway_tilt, double way) {
+Map drive(const CameraMounting& mounting, double sway_height, double sway_tilt, double distance) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   Map map;
@@ -36,7 +36,7 @@ Map drive(const CameraMounting& mounting, double sway_height, double sway_tilt, 
     View view;
     view.segments = {level(now, now.height), level(now, now.height - 0.3 - 0.01 * i),
                      plane({0, 0, 1}, 2 + 0.1 * i)};
-    map.models.emplace_back("", 0, Eigen::Isometry3d(Eigen::Translation3d(way * i / 39, 0, 0)), view);
+    map.models.emplace_back("", 0, Eigen::Isometry3d(Eigen::Translation3d(distance * i / 39, 0, 0)), view);
   }
   return map;
 }

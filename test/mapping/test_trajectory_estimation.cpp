@@ -270,14 +270,14 @@ TEST(TrajectoryEstimation, AGivenOdometryCarriesACameraAlongACorridor) {
     return estimation.trajectory();
   };
   const CameraTrajectory with = alongCorridor(true), without = alongCorridor(false);
-  const double way = 0.3 * (kImages - 1);
+  const double distance = 0.3 * (kImages - 1);
   const auto gone = [](const CameraTrajectory& t) {
     return (t.images.back().T_w_c.translation() - t.images.front().T_w_c.translation()).norm();
   };
-  EXPECT_NEAR(gone(with), way, 0.05 * way);
+  EXPECT_NEAR(gone(with), distance, 0.05 * distance);
   // Without it, the pose is unknown, and the covariance says so.
   const Matrix6d P = without.keyframes.back().T_w_c.P;
-  EXPECT_GT(largestTranslationStd(P), 0.2 * way);
+  EXPECT_GT(largestTranslationStd(P), 0.2 * distance);
   EXPECT_LT(largestTranslationStd(with.keyframes.back().T_w_c.P), 0.3 * largestTranslationStd(P));
 }
 

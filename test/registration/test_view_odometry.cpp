@@ -111,7 +111,7 @@ TEST(ViewOdometry, ARobotOnWheelsKnowsThatItDoesNotSlipAlongABareWall) {
 }
 
 // Variance of the distance [m^2] through a part of the circle, or without moving, by this number of views.
-double varianceOfWay(int views, double degrees) {
+double varianceOfPosition(int views, double degrees) {
   ViewOdometry camera = odometry();
   double sum = 0;
   for (int i = 0; i <= views; ++i) {
@@ -125,8 +125,9 @@ double varianceOfWay(int views, double degrees) {
   return sum;
 }
 
-TEST(ViewOdometry, ErrorsAgainstAKeyViewAddUpByTheWayNotByTheNumberOfViews) {
-  const double few = varianceOfWay(16, 40), many = varianceOfWay(48, 40), standing = varianceOfWay(48, 0);
+TEST(ViewOdometry, ErrorsAgainstAKeyframeAddUpByTheDistanceNotByTheNumberOfViews) {
+  const double few = varianceOfPosition(16, 40), many = varianceOfPosition(48, 40),
+               standing = varianceOfPosition(48, 0);
   EXPECT_LT(many, 1.5 * few);
   EXPECT_GT(many, 0.5 * few);
   EXPECT_LT(standing, 0.7 * many);  // the rest comes from the prediction, which assumes motion

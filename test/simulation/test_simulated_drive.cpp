@@ -171,7 +171,7 @@ TEST(SimulatedRoute, FurtherRoundsAreOnOtherLines) {
   EXPECT_NE(roundsOf(square, 3, 6).back().place, rounds.back().place);
 }
 
-TEST(SimulatedRoute, StepsTakeTheTimeOfTheirWayOrTurn) {
+TEST(SimulatedRoute, StepsTakeTheTimeOfTheirDistanceOrTurn) {
   const auto standing = [](double x, double yaw_deg) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() << x, 0, 0.003 * x;  // an uneven floor takes no time

@@ -15,9 +15,9 @@ constexpr int kRuns = 4000;
 double headingOf(const Eigen::Isometry3d& T) { return std::atan2(T(1, 0), T(0, 0)); }
 
 /** Straight on by so much, in steps. */
-std::vector<Eigen::Isometry3d> straight(double way, double step) {
+std::vector<Eigen::Isometry3d> straight(double distance, double step) {
   std::vector<Eigen::Isometry3d> poses;
-  const int n = static_cast<int>(std::lround(way / step));
+  const int n = static_cast<int>(std::lround(distance / step));
   for (int i = 0; i <= n; ++i) {
     poses.emplace_back(Eigen::Isometry3d::Identity());
     poses.back().translation().x() = i * step;
@@ -73,11 +73,13 @@ TEST(SimulatedOdometry, TheHeadingWalksAtRandom) {
 
 TEST(SimulatedOdometry, OneScaleIsWrongForAWholeRun) {
   const WheelOdometryParams params = only(&WheelOdometryParams::scale_std);
-  for (const double way : {1.0, 20.0})
-    EXPECT_NEAR(spreadOf(straight(way, 0.25), params).ahead, 0.02 * way, kStatistical * 0.02 * way) << way;
+  for (const double distance : {1.0, 20.0})
+    EXPECT_NEAR(spreadOf(straight(distance, 0.25), params).ahead, 0.02 * distance,
+                kStatistical * 0.02 * distance)
+        << distance;
 }
 
-TEST(SimulatedOdometry, LengthsAreNoisyByTheRootOfTheWay) {
+TEST(SimulatedOdometry, LengthsAreNoisyByTheRootOfTheDistance) {
   const WheelOdometryParams params = only(&WheelOdometryParams::length_std);
   for (const double step : {0.1, 0.5}) {
     EXPECT_NEAR(spreadOf(straight(1, step), params).ahead, 0.01, kStatistical * 0.01) << step;

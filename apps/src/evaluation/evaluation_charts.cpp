@@ -88,7 +88,8 @@ Json::Value chartData(const TrajectoryErrors& errors) {
                           estimated = plan.point(errors.pairs[i].estimated.translation());
     data["plan"]["true"].append(row({truth.x(), truth.y()}));
     data["plan"]["estimated"].append(row({estimated.x(), estimated.y()}));
-    data["errors"].append(row({errors.way[i], kMillimetres * errors.translation[i], errors.rotation_deg[i]}));
+    data["errors"].append(
+        row({errors.distance[i], kMillimetres * errors.translation[i], errors.rotation_deg[i]}));
   }
   return data;
 }

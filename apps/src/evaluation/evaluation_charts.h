@@ -19,8 +19,8 @@ namespace facetloc {
  * ascending errors of first correct hypotheses). planes, distance: mean, images, correct, correct at rank 1.
  * starts by images, metres: since the start, starts, sure, right. */
 Json::Value chartData(const EvaluationReport& report, const std::vector<StartCurve>& starts);
-/** \brief The charts of a trajectory. plan: true, estimated (to the right, to the top [m]). errors: true way
- * [m], position [mm], orientation [deg]. */
+/** \brief The charts of a trajectory. plan: true, estimated (to the right, to the top [m]). errors: true
+ * distance [m], position [mm], orientation [deg]. */
 Json::Value chartData(const TrajectoryErrors& errors);
 
 /** \brief Draws a trajectory and the true one from above into a PNG, atomically. Needs an X display

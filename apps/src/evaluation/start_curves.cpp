@@ -38,7 +38,7 @@ std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
   StartCurve images{"images", {}}, metres{"metres", {}};
   std::string start;
   std::optional<Eigen::Isometry3d> before;  // the true pose of the image before, of the same start
-  double way = 0;
+  double distance = 0;
   std::size_t image = 0, next = 0;  // points of the start
   for (const StartAnswer& answer : answers) {
     const auto found = truth.find(answer.frame);
@@ -47,16 +47,16 @@ std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
     if (!before || answer.start != start) {
       start = answer.start;
       before = T_w_c;
-      way = 0;
+      distance = 0;
       image = next = 0;
     }
-    way += (T_w_c.translation() - before->translation()).norm();
+    distance += (T_w_c.translation() - before->translation()).norm();
     before = T_w_c;
     const bool sure = answer.state == AnswerState::sure;
     const bool right = answer.T_w_c && isNear(T_true_estimated * *answer.T_w_c, T_w_c, params.max_translation,
                                               params.max_rotation_deg);
     count(images, image++, 1, sure, right);
-    for (; way >= kMetreStep * static_cast<double>(next); ++next)
+    for (; distance >= kMetreStep * static_cast<double>(next); ++next)
       count(metres, next, kMetreStep, sure, right);
   }
   return {images, metres};

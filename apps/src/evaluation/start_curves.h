@@ -15,7 +15,7 @@ namespace facetloc {
 /** \brief The share of starts of a drive with a sure answer after N images or metres. */
 struct StartCurve {
   struct Point {
-    double x = 0;    ///< since the start: images, or the true way [m]
+    double x = 0;    ///< since the start: images, or the true distance [m]
     int starts = 0;  ///< that came so far
     int sure = 0;
     int right = 0;  ///< sure answers that are right
@@ -27,10 +27,9 @@ struct StartCurve {
   std::vector<Point> points;
 };
 
-/** \brief The answers of starts over the number of images and over the true way since each start. An answer
- * is right within the limits of a correct hypothesis.
- * \param frames whose true poses are known; others are left out
- * \param T_true_estimated from the world of the answers to the world of the true poses */
+/** \brief The answers of starts over the number of images and over the true distance since each start. An
+ * answer is right within the limits of a correct hypothesis. \param frames whose true poses are known; others
+ * are left out \param T_true_estimated from the world of the answers to the world of the true poses */
 std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
                                     const std::vector<FrameEvaluation>& frames,
                                     const Eigen::Isometry3d& T_true_estimated,

@@ -15,10 +15,10 @@
 namespace facetloc {
 namespace {
 
-constexpr double kRelativeTime = 1;     // [s]
-constexpr double kRelativeWay = 1;      // [m]
-constexpr double kRelativeShare = 0.1;  // share of the whole distance
-constexpr double kLongest = 2;          // longest interval, as a multiple of that: longer ones bridge a gap
+constexpr double kRelativeTime = 1;      // [s]
+constexpr double kRelativeDistance = 1;  // [m]
+constexpr double kRelativeShare = 0.1;   // share of the whole distance
+constexpr double kLongest = 2;           // longest interval, as a multiple of that: longer ones bridge a gap
 constexpr double kRounding = 1e-9;
 
 void requireDifferentStamps(const Trajectory& trajectory, const std::string& name) {
@@ -51,11 +51,11 @@ std::optional<RelativeErrors> relativeErrors(const std::string& over, const Traj
     const Eigen::Isometry3d difference = (a.truth.inverse() * b.truth).inverse() * estimated;
     translation.push_back(difference.translation().norm());
     rotation_deg.push_back(rotationAngle(difference.linear()) / kDegree);
-    relative.mean_way += errors.way[last] - errors.way[first];
+    relative.mean_distance += errors.distance[last] - errors.distance[first];
   }
   if (translation.empty()) return {};
   relative.intervals = translation.size();
-  relative.mean_way /= static_cast<double>(relative.intervals);
+  relative.mean_distance /= static_cast<double>(relative.intervals);
   relative.translation = momentsOf(translation);
   relative.rotation_deg = momentsOf(rotation_deg);
   return relative;
@@ -70,8 +70,8 @@ void addRelativeErrors(TrajectoryErrors& errors) {
       errors.relative.push_back(std::move(*relative));
   };
   add(kOverSecond, time, kRelativeTime);
-  add(kOverMetre, errors.way, kRelativeWay);
-  add(kOverTenth, errors.way, kRelativeShare * errors.length());
+  add(kOverMetre, errors.distance, kRelativeDistance);
+  add(kOverTenth, errors.distance, kRelativeShare * errors.length());
 }
 
 }  // namespace
@@ -101,12 +101,12 @@ TrajectoryErrors trajectoryErrors(const Trajectory& estimate, const Trajectory& 
       ++errors.without_truth;
   }
   errors.alignment = aligned(errors.pairs);
-  double way = 0;
+  double distance = 0;
   for (std::size_t i = 0; i < errors.pairs.size(); ++i) {
     PosePair& pair = errors.pairs[i];
     pair.estimated = errors.alignment.T_true_estimated * pair.estimated;
-    if (i > 0) way += (pair.truth.translation() - errors.pairs[i - 1].truth.translation()).norm();
-    errors.way.push_back(way);
+    if (i > 0) distance += (pair.truth.translation() - errors.pairs[i - 1].truth.translation()).norm();
+    errors.distance.push_back(distance);
     errors.translation.push_back((pair.estimated.translation() - pair.truth.translation()).norm());
     errors.rotation_deg.push_back(angleBetween(pair.estimated, pair.truth));
   }

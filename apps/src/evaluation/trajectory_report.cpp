@@ -60,7 +60,7 @@ std::vector<ReportTable> tables(const TrajectoryErrors& e) {
 void writePoses(std::ostream& out, const TrajectoryErrors& e) {
   out << "stamp,way_m,translation_mm,orientation_deg,x,y,z,true_x,true_y,true_z\n";
   for (std::size_t i = 0; i < e.pairs.size(); ++i) {
-    out << text::shortest(e.pairs[i].stamp) << "," << text::significant(e.way[i]) << ","
+    out << text::shortest(e.pairs[i].stamp) << "," << text::significant(e.distance[i]) << ","
         << text::significant(kMillimetres * e.translation[i]) << "," << text::significant(e.rotation_deg[i]);
     for (const Eigen::Isometry3d* T : {&e.pairs[i].estimated, &e.pairs[i].truth})
       for (int axis = 0; axis < 3; ++axis) out << "," << text::significant(T->translation()[axis]);

@@ -23,9 +23,9 @@ constexpr std::chrono::seconds kLeastRest(1);  // between improvements
 }  // namespace
 
 std::string LiveMapState::toString() const {
-  return fmt::format("{:.1f} m, {}, {}, {}", way, counted(static_cast<std::size_t>(keyframes), "keyframe"),
-                     counted(static_cast<std::size_t>(loops), "loop"),
-                     counted(map->models.size(), "local model"));
+  return fmt::format(
+      "{:.1f} m, {}, {}, {}", distance, counted(static_cast<std::size_t>(keyframes), "keyframe"),
+      counted(static_cast<std::size_t>(loops), "loop"), counted(map->models.size(), "local model"));
 }
 
 LiveMapping::LiveMapping(const LiveMappingOptions& options)
@@ -71,7 +71,7 @@ void LiveMapping::follow(const View& view, const std::string& name, double stamp
     const Eigen::Vector3d place = state_.T_w_c->T.translation();
     trajectory_.add(place);
     const double step = last_place_ ? (place - *last_place_).norm() : 0;
-    if (step >= kStep) state_.way += step;
+    if (step >= kStep) state_.distance += step;
     if (step >= kStep || !last_place_) last_place_ = place;
   }
   state_.trajectory = trajectory_;

@@ -30,7 +30,7 @@ struct LiveMappingOptions {
 /** \brief How far a map has come that is being made. */
 struct LiveMapState {
   std::optional<PoseWithCovariance> T_w_c;  ///< pose of the camera in the part; empty while unknown
-  double way = 0;                           ///< [m]
+  double distance = 0;                      ///< [m]
   int keyframes = 0, loops = 0;
   std::shared_ptr<const Map> map;  ///< as it is now, without depth pictures; never null
   LiveTrajectory trajectory;       ///< where the camera was

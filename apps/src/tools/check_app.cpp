@@ -58,8 +58,8 @@ std::string toString(const Intrinsics& k) {
 
 /** Has the camera moved, and turned about the vertical only, at one height? Floors are uneven. */
 bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
-  constexpr double kLeastWay = 2, kMostHeight = 0.05;  // [m]
-  constexpr double kMostSlope = 0.01;                  // the floor's direction is known to this slope
+  constexpr double kLeastDistance = 2, kMostHeight = 0.05;  // [m]
+  constexpr double kMostSlope = 0.01;                       // the floor's direction is known to this slope
   constexpr double kMostLean = 6 * kDegree, kMostly = 0.9;
   if (poses.empty()) return false;
   const double tilt = floor.tilt_deg * kDegree, roll = floor.roll_deg * kDegree;
@@ -70,7 +70,7 @@ bool hasDrivenOnFloor(const Trajectory& poses, const SeenFloor& floor) {
   for (const StampedPose& pose : poses.poses())
     mean += pose.T_w_c.linear() * down, way.extend(pose.T_w_c.translation());
   mean.normalize();
-  if (way.diagonal().norm() < kLeastWay) return false;
+  if (way.diagonal().norm() < kLeastDistance) return false;
   const auto level = std::count_if(poses.poses().begin(), poses.poses().end(), [&](const StampedPose& pose) {
     const Eigen::Vector3d from_middle = pose.T_w_c.translation() - way.center();
     return (pose.T_w_c.linear() * down).cross(mean).norm() < std::sin(kMostLean) &&

@@ -306,10 +306,10 @@ private:
     return {task.odometry, task.camera.mounting, odometry_error_};
   }
 
-  /** Every N-th image is a start. Its drive ends after kMostWay, as far as the camera can tell, or
+  /** Every N-th image is a start. Its drive ends after kMostDistance, as far as the camera can tell, or
    * with the images. \return the exit code. */
   int localizeFromStarts(const Task& task, const Console& console) const {
-    constexpr double kMostWay = 10;  // [m]
+    constexpr double kMostDistance = 10;  // [m]
     const std::vector<FrameFile>& frames = task.frames();
     std::vector<View> views(frames.size());
     Batch seeing(threads(), frames.size(), console);
@@ -329,11 +329,11 @@ private:
                 Localizer& from_here = drives[worker];
                 from_here.reset();
                 MeasuredMotion motion = measuredMotion(task);
-                double way = 0;
-                for (std::size_t i = k * starts_; i < frames.size() && way < kMostWay; ++i) {
+                double distance = 0;
+                for (std::size_t i = k * starts_; i < frames.size() && distance < kMostDistance; ++i) {
                   const Localization answer =
                       from_here.update(views[i], frames[i].stamp, motion.until(frames[i].stamp));
-                  way += answer.T_before_now.T.translation().norm();
+                  distance += answer.T_before_now.T.translation().norm();
                   StartAnswer out{frames[k * starts_].name, frames[i].name, answer.state, 0, {}};
                   if (!answer.hypotheses.empty()) {
                     out.probability = answer.hypotheses.front().probability;

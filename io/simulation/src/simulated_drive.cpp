@@ -313,10 +313,10 @@ std::vector<double> drivingTimes(const std::vector<Eigen::Isometry3d>& T_w_b, co
       continue;
     }
     const Eigen::Isometry3d &from = T_w_b[i - 1], &to = T_w_b[i];
-    const double way = (to.translation() - from.translation()).head<2>().norm();
+    const double distance = (to.translation() - from.translation()).head<2>().norm();
     const double turn = std::abs(std::remainder(heading(to) - heading(from), 2 * kPi));
     times.push_back(times.back() +
-                    std::max({way / pace.speed, turn / (pace.turn_rate_deg * kDegree), 1 / pace.rate}));
+                    std::max({distance / pace.speed, turn / (pace.turn_rate_deg * kDegree), 1 / pace.rate}));
   }
   return times;
 }

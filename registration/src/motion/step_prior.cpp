@@ -8,7 +8,7 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kWay = 0.4, kTurnDeg = 20;        // [m, deg]
+constexpr double kDistance = 0.4, kTurnDeg = 20;   // [m, deg]
 constexpr double kSpeed = 0.7, kTurnRateDeg = 40;  // speeds of a walk [m/s, deg/s]
 constexpr double kShortest = 0.2, kLongest = 3;    // times that a motion is thought to take [s]
 constexpr int kSideways = 4;                       // among the motions of a robot base
@@ -20,12 +20,12 @@ constexpr double kRestless = 1.5;   // sum of |v|^2 of three motions that keep n
 
 Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slips) {
   PosePriorParams prior;
-  prior.translation_std = kWay;
+  prior.translation_std = kDistance;
   prior.rotation_std_deg = kTurnDeg;
   Matrix6d P = posePrior(mounting, prior);
   if (!mounting || slips) return P;
   const Vector6d sideways = cameraMotion(*mounting).col(kSideways);  // motion of the camera, one metre
-  return P - (kWay * kWay - kSidewaysStd * kSidewaysStd) * sideways * sideways.transpose();
+  return P - (kDistance * kDistance - kSidewaysStd * kSidewaysStd) * sideways * sideways.transpose();
 }
 
 Matrix6d motionPrior(double dt, const std::optional<CameraMounting>& mounting) {

@@ -11,8 +11,8 @@
 namespace facetloc::internal {
 
 /** \brief Covariance of where a camera is one image later, about where it is thought to be, if nothing else
- * tells: in the hand any way within arm's reach; on a robot on wheels along its floor and, unless it has been
- * seen to slip, hardly sideways. */
+ * tells: in the hand any motion within arm's reach; on a robot on wheels along its floor and, unless it has
+ * been seen to slip, hardly sideways. */
 Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slips);
 
 /** \brief Covariance of the motion of a camera in some time [s] about no motion, if nothing else tells: as

@@ -73,16 +73,16 @@ Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const P
   return of_floor.transpose() * C.inverse() * of_floor;
 }
 
-// The error along the way is the same for some metres, as a wrong radius of a wheel makes it.
+// The error along the path is the same for some metres, as a wrong radius of a wheel makes it.
 PoseWithCovariance motionByOdometry(const Eigen::Isometry3d& T_before_now,
                                     const std::optional<CameraMounting>& mounting,
                                     const OdometryError& error) {
-  constexpr double kAlike = 10;             // way along which the error stays [m]
+  constexpr double kAlike = 10;             // distance along which the error stays [m]
   constexpr double kMetresPerRadian = 0.2;  // that the wheels of a robot roll when it turns
-  const double way = T_before_now.translation().norm();
-  const double rolled = way + kMetresPerRadian * rotationAngle(T_before_now.linear());
+  const double distance = T_before_now.translation().norm();
+  const double rolled = distance + kMetresPerRadian * rotationAngle(T_before_now.linear());
   PosePriorParams prior;
-  prior.translation_std = error.drift * std::sqrt(way * kAlike) + error.least_translation;
+  prior.translation_std = error.drift * std::sqrt(distance * kAlike) + error.least_translation;
   prior.rotation_std_deg = error.turn_deg * std::sqrt(rolled) + error.least_rotation_deg;
   return {T_before_now, posePrior(mounting, prior, T_before_now)};
 }

@@ -116,7 +116,7 @@ PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizatio
 void PlaceBelief::clear() {
   places_.clear();
   kept_.clear();
-  way_ = turn_ = 0;
+  distance_ = turn_ = 0;
   looks_ = 0;
 }
 
@@ -136,7 +136,7 @@ void PlaceBelief::move(const Motion& motion) {
   std::vector<MotionMode> back;
   for (const MotionMode& mode : motion.modes) back.push_back({inverse(mode.T_a_b), mode.probability});
   for (Look& look : kept_) look.T_c_l = chained(back, look.T_c_l);
-  way_ += motion.likeliest().T.translation().norm();
+  distance_ += motion.likeliest().T.translation().norm();
   turn_ += rotationAngle(motion.likeliest().T.linear());
 }
 
@@ -154,7 +154,7 @@ void PlaceBelief::scatter(double probability) {
 }
 
 double PlaceBelief::motionSince(double distance, double rotation_deg) const {
-  return way_ / distance + turn_ / (rotation_deg * kDegree);
+  return distance_ / distance + turn_ / (rotation_deg * kDegree);
 }
 
 std::vector<int> PlaceBelief::modelsAround(int n) const {
@@ -319,7 +319,7 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
   places_ = std::move(places);
   best = std::max(best, addFresh(*view, fresh, seen, independence));
   ++looks_;
-  way_ = turn_ = 0;
+  distance_ = turn_ = 0;
   PoseWithCovariance here;
   here.P = kLeast * kLeast * Matrix6d::Identity();
   kept_.push_back({std::move(view), {{here, 1}}, independence, best});

@@ -113,7 +113,7 @@ private:
   bool has_odds_;
   std::vector<BelievedPlace> places_;
   std::deque<Look> kept_;
-  double way_ = 0, turn_ = 0;  // since the last look [m, rad]
+  double distance_ = 0, turn_ = 0;  // since the last look [m, rad]
   int looks_ = 0;
   int threads_ = 1;
 };

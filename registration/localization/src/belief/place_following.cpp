@@ -19,7 +19,7 @@ constexpr int kModels = 5;           // nearest local models that a view is alig
 constexpr int kDenseIterations = 4;  // iterations of the alignment by all pixels
 constexpr double kCorrelatedViews =
     2;  // number of views that count as one independent view: they see the same models with the same errors
-constexpr double kFloorLength = 0.7;     // way after which a robot on wheels stands on other unevenness [m]
+constexpr double kFloorLength = 0.7;  // distance after which a robot on wheels stands on other unevenness [m]
 constexpr double kLeastAgreement = 0.6;  // share of the depth pixels that the map must confirm
 constexpr double kSureAgreement = 0.85;  // agreement of a place that is beyond doubt
 constexpr double kKnownPixels = 0.1;     // share of them that must be in the map for it to object
@@ -78,14 +78,14 @@ PlaceFollowing::PlaceFollowing(std::shared_ptr<const Map> map, const GlobalLocal
 PoseWithCovariance PlaceFollowing::onFloor(const View& view, int part, const PoseWithCovariance& T_w_c,
                                            const Eigen::Isometry3d& motion) const {
   constexpr int kFloorModels = 20;
-  constexpr double kTurningWheel = 0.2;  // way of a wheel by turning on the spot [m/rad]
+  constexpr double kTurningWheel = 0.2;  // distance of a wheel by turning on the spot [m/rad]
   const Camera& camera = surroundings_.map().camera;
   if (!camera.mounting || !view.camera || !differenceOf(*view.camera, camera).sameMounting()) return T_w_c;
-  const double way = motion.translation().norm() + kTurningWheel * rotationAngle(motion.linear());
-  if (!(way > 0)) return T_w_c;
+  const double distance = motion.translation().norm() + kTurningWheel * rotationAngle(motion.linear());
+  if (!(distance > 0)) return T_w_c;
   const auto floor = surroundings_.floorNear(part, T_w_c.T, kFloorModels, floor_covariance_);
   if (!floor) return T_w_c;
-  const double repeated = std::max(1.0, kFloorLength / way);
+  const double repeated = std::max(1.0, kFloorLength / distance);
   return updatedByFloor(T_w_c, *camera.mounting, *floor, floor_covariance_, repeated);
 }
 

@@ -23,8 +23,8 @@ constexpr double kStraightDeg = 2;             // roll of a camera that is meant
 constexpr double kLeastShare = 0.3;            // share of local models that show the floor
 constexpr double kLeastNarrow = 0.75;          // share of those that show about the same floor
 constexpr int kLeastModels = 10;
-constexpr double kLeastWay = 2;      // [m]
-constexpr std::size_t kSeeds = 500;  // planes that are tried as the floor
+constexpr double kLeastDistance = 2;  // [m]
+constexpr std::size_t kSeeds = 500;   // planes that are tried as the floor
 
 struct Plane {
   int model;
@@ -83,7 +83,7 @@ bool hasMoved(const Map& map) {
   for (const LocalModel& model : map.models)
     if (model.T_w_m) ways[model.part].extend(model.T_w_m->translation());
   return std::any_of(ways.begin(), ways.end(),
-                     [](const auto& way) { return way.second.diagonal().norm() >= kLeastWay; });
+                     [](const auto& seen) { return seen.second.diagonal().norm() >= kLeastDistance; });
 }
 
 }  // namespace

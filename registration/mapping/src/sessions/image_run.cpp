@@ -16,10 +16,10 @@ namespace {
 
 using Stage = MapProgress::Stage;
 
-constexpr std::size_t kImagesPerThread = 16;                  // views built ahead of the one that is taken
-constexpr std::size_t kStarts = 24;                           // images that others are registered with
-constexpr double kLeastTurn = 1 * kDegree, kLeastWay = 0.02;  // least motion that is compared [m]
-constexpr double kMostTurn = 15 * kDegree, kMostWay = 0.4;    // after which no longer one is tried
+constexpr std::size_t kImagesPerThread = 16;  // views built ahead of the one that is taken
+constexpr std::size_t kStarts = 24;           // images that others are registered with
+constexpr double kLeastTurn = 1 * kDegree, kLeastDistance = 0.02;  // least motion that is compared [m]
+constexpr double kMostTurn = 15 * kDegree, kMostDistance = 0.4;    // after which no longer one is tried
 
 /** Motions from keyframe to keyframe, by the images. */
 std::vector<SeenMotion> motionsOf(const CameraTrajectory& trajectory) {
@@ -45,10 +45,10 @@ std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImag
     const Localization answer = target.align(viewOf(first + gap));
     if (answer.state != AnswerState::sure) break;
     const Eigen::Isometry3d& T = answer.hypotheses.front().T_m_c.T;
-    const double turn = rotationAngle(T.linear()), way = T.translation().norm();
-    if (turn > kLeastTurn || way > kLeastWay)
+    const double turn = rotationAngle(T.linear()), distance = T.translation().norm();
+    if (turn > kLeastTurn || distance > kLeastDistance)
       motions.push_back({images[first].stamp, images[first + gap].stamp, T});
-    if (turn > kMostTurn || way > kMostWay) break;
+    if (turn > kMostTurn || distance > kMostDistance) break;
   }
   return motions;
 }

@@ -23,7 +23,7 @@ Link MapBuilder::link(int from, int to, const Eigen::Isometry3d& T_w_from,
   l.from = from;
   l.to = to;
   l.T_from_to.T = T_w_from.inverse() * T_w_to;
-  // Both poses err, and an error of the first one's rotation turns the way.
+  // Both poses err, and an error of the first one's rotation turns the displacement.
   const double rotation = std::pow(params_.pose_rotation_std_deg * kDegree, 2);
   const Eigen::Matrix3d lever = skew(l.T_from_to.T.translation());
   l.T_from_to.P.diagonal() << Eigen::Vector3d::Constant(2 * rotation),

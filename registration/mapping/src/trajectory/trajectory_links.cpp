@@ -43,7 +43,7 @@ std::vector<int> nearestModels(const CameraTrajectory& trajectory, const std::ve
 PoseGraph internal::keyframeGraph(const std::vector<Eigen::Isometry3d>& T_w_k,
                                   const std::vector<KeyframeMotion>& motions,
                                   const std::optional<CameraMounting>& mounting, double key_distance) {
-  constexpr double kFloorLength = 0.7;  // way after which a robot stands on other unevenness [m]
+  constexpr double kFloorLength = 0.7;  // distance after which a robot stands on other unevenness [m]
   const auto isComparison = [](const KeyframeMotion& m) {
     return m.source != KeyframeMotion::Source::odometry;
   };
