@@ -26,7 +26,7 @@ namespace {
 constexpr double kContradiction = 1;
 constexpr double kPatience = 1;       // with a map that contradicts the place that is followed [s]
 constexpr double kCheckInterval = 2;  // between searches of the whole map while that place is in doubt [s]
-constexpr double kWaiting = 1;        // between looks of a camera that stands and is not sure [s]
+constexpr double kWaiting = 1;        // between observations of a camera that stands and is not sure [s]
 constexpr const char* kPlaceKnown = "the place is known, the pose is not: ";
 constexpr double kJump = 0.01;   // probability of a jump from which on the whole map is searched
 constexpr double kLikely = 0.5;  // probability of a place that is still known, be it sure or not
@@ -101,10 +101,11 @@ struct Localizer::Impl {
   CameraMotion motion;
   bool is_known = false, was_known = false;  // a place: since when it was sure, and ever
   std::optional<double> stamp, contradicted_since;
-  double latest_look = -std::numeric_limits<double>::infinity(), next_check = latest_look;  // [s]
-  double own_probability = 0;  // the first place by the latest look alone, if sure
-  int looks_around = 0;        // looks since the whole map was searched
-  Camera camera;               // camera of clouds and images
+  double latest_observation = -std::numeric_limits<double>::infinity(),
+         next_check = latest_observation;  // [s]
+  double own_probability = 0;              // the first place by the latest observation alone, if sure
+  int observations_unsearched = 0;         // observations since the whole map was searched
+  Camera camera;                           // camera of clouds and images
   std::optional<ViewBuilder> builder;
 };
 
@@ -120,7 +121,7 @@ void Localizer::Impl::forget() {
   belief.clear();
   following.clear();
   contradicted_since.reset();
-  latest_look = next_check = -std::numeric_limits<double>::infinity();
+  latest_observation = next_check = -std::numeric_limits<double>::infinity();
 }
 
 bool Localizer::Impl::anyPose() const {
@@ -185,7 +186,7 @@ void Localizer::Impl::move(Step& step, double dt, const std::optional<PoseWithCo
 }
 
 void Localizer::Impl::see(Step& step) {
-  const bool waited = step.now - latest_look >= kWaiting && !isSure();
+  const bool waited = step.now - latest_observation >= kWaiting && !isSure();
   const bool may_have_jumped = step.motion.none > kJump;
   const bool is_due = step.alone || waited || may_have_jumped || belief.isDue();
   if (is_due || step.motion.source != Motion::Source::seen) own_probability = 0;
@@ -197,7 +198,7 @@ void Localizer::Impl::see(Step& step) {
     lookAround(step);
 }
 
-// Between looks.
+// Between observations.
 void Localizer::Impl::follow(Step& step) {
   const BelievedPlace& place = belief.places().front();
   const FollowedPlace seen = following.at(*step.view, place.part, place.T_w_c);
@@ -219,17 +220,17 @@ void Localizer::Impl::search(Step& step) {
   step.searched = true;
   const Localization found = localization.localize(*step.view, std::function<bool(int)>());
   step.of_search = found.reason;
-  const std::optional<double> of_best = belief.look(step.view, &found, step.alone);
+  const std::optional<double> of_best = belief.observe(step.view, &found, step.alone);
   const bool is_elsewhere = of_best ? *of_best < -kContradiction : isSure(found);
   if (step.alone && !step.is_first && is_elsewhere && !(isSure(found) && isFirst(found.hypotheses.front()))) {
     step.anew = "the map contradicts the view";
     forget();
-    belief.look(step.view, &found);
+    belief.observe(step.view, &found);
   }
   hear(found);
-  latest_look = step.now;
+  latest_observation = step.now;
   next_check = step.now + kCheckInterval;
-  looks_around = 0;
+  observations_unsearched = 0;
 }
 
 // Is it the first place of the belief?
@@ -251,21 +252,21 @@ void Localizer::Impl::hear(const Localization& found) {
 // answer is heard if the view is sure of it.
 void Localizer::Impl::lookAround(Step& step) {
   constexpr int kNearModels = 4;
-  constexpr int kListening = 3;  // looks between searches of the whole map while a place is sure
-  latest_look = step.now;
-  if (++looks_around >= kListening) {
-    looks_around = 0;
+  constexpr int kListening = 3;  // observations between searches of the whole map while a place is sure
+  latest_observation = step.now;
+  if (++observations_unsearched >= kListening) {
+    observations_unsearched = 0;
     step.searched = true;
     const Localization found = localization.localize(*step.view, std::function<bool(int)>());
     if (isSure(found)) {
-      belief.look(step.view, &found);
+      belief.observe(step.view, &found);
       return hear(found);
     }
   }
   const std::vector<int> near = belief.modelsAround(kNearModels);
   const Localization found = localization.localize(
       *step.view, [&](int model) { return std::find(near.begin(), near.end(), model) == near.end(); });
-  belief.look(step.view, &found);
+  belief.observe(step.view, &found);
 }
 
 // The places of a belief, most probable first.
@@ -281,7 +282,7 @@ void Localizer::Impl::list(const PlaceBelief& of, Localization& out) const {
     out.hypotheses.push_back(std::move(h));
   }
   out.not_in_map = std::max(0.0, left);
-  out.looks = of.looks();
+  out.looks = of.observations();
 }
 
 // A belief of its own, that begins there, takes the view. The given pose counts as an observation: with the
@@ -294,7 +295,7 @@ Localization Localizer::Impl::localizeNear(const View& view, const PoseWithCovar
   near.setNumberOfThreads(threads);
   near.inject(part, T_w_c, kMostLogOdds);
   const Localization found = localization.localize(view, std::function<bool(int)>());
-  near.look(std::make_shared<const View>(view), &found);
+  near.observe(std::make_shared<const View>(view), &found);
   Localization out;
   list(near, out);
   out.searched = true;

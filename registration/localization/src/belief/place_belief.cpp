@@ -19,20 +19,20 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kGate = chiSquareQuantile(6, 0.99);
-constexpr double kForgotten = 1e-4;   // odds that no later view makes up for
-constexpr std::size_t kMostNew = 8;   // places that a search brings up
-constexpr double kHopeless = 1e-5;    // probability in a search
-constexpr double kMostOfOneLook = 5;  // that one look adds or takes away [nats]
-constexpr double kLeast = 1e-3;       // [m, rad]
+constexpr double kForgotten = 1e-4;          // odds that no later view makes up for
+constexpr std::size_t kMostNew = 8;          // places that a search brings up
+constexpr double kHopeless = 1e-5;           // probability in a search
+constexpr double kMostOfOneObservation = 5;  // that one observation adds or takes away [nats]
+constexpr double kLeast = 1e-3;              // [m, rad]
 constexpr std::size_t kMostChains = 4;
-// Latest looks that judge a new place: older ones are too uncertain.
-constexpr std::size_t kKeptLooks = 6;
+// Latest observations that judge a new place: older ones are too uncertain.
+constexpr std::size_t kKeptObservations = 6;
 constexpr PoseRadius kSharpMotion{0.15, 3};
 constexpr double kMostDoubt = 4;       // that a motion can raise: one of fifty is wrong [nats]
 constexpr double kAlike = 1;           // difference of observations that count as equal [nats]
 constexpr double kUnlikely = 1e-3;     // share of a place, of an alternative that is dropped
 constexpr double kChanged = 0.4;       // share of a view that may differ from the map at the right place
-constexpr double kMostAgainst = 1;     // that one look takes away from a place beyond doubt [nats]
+constexpr double kMostAgainst = 1;     // that one observation takes away from a place beyond doubt [nats]
 constexpr double kEstablished = 0.99;  // probability of a place that is beyond doubt
 constexpr double kWorthAsking = 0.01;  // probability of a place that a view is registered near
 
@@ -54,7 +54,7 @@ std::vector<MotionMode> chained(const std::vector<MotionMode>& first, const std:
   return all;
 }
 
-// How much of a look counts where only a motion of that uncertainty leads back to it.
+// How much of an observation counts where only a motion of that uncertainty leads back to it.
 double sharpness(const PoseWithCovariance& motion) {
   const double blur = std::max(largestTranslationStd(motion.P) / kSharpMotion.distance,
                                largestRotationStd(motion.P) / (kSharpMotion.angle_deg * kDegree));
@@ -86,13 +86,15 @@ std::vector<PoseWithCovariance> headingsOf(const PoseWithCovariance& T_w_c) {
   return all;
 }
 
-double bounded(double log_odds) { return std::clamp(log_odds, -kMostOfOneLook, kMostOfOneLook); }
+double bounded(double log_odds) {
+  return std::clamp(log_odds, -kMostOfOneObservation, kMostOfOneObservation);
+}
 
 // Change of the log odds of a place relative to the place that the view favours. Equivalent places differ by
 // a little in the same way from view to view, since the map shows one of them better: that is no evidence,
 // however often.
 double added(double log_odds, double best) {
-  return bounded(best) - std::min(2 * kMostOfOneLook, std::max(0.0, best - log_odds - kAlike));
+  return bounded(best) - std::min(2 * kMostOfOneObservation, std::max(0.0, best - log_odds - kAlike));
 }
 
 }  // namespace
@@ -106,7 +108,7 @@ PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizatio
       ranking_(map_,
                [&] {
                  GlobalLocalizationParams without_prior = localization;
-                 without_prior.probability.map_incomplete = 0.5;  // it counts once, not with every look
+                 without_prior.probability.map_incomplete = 0.5;  // counts once only
                  return without_prior;
                }()),
       near_(map_, true),
@@ -117,7 +119,7 @@ void PlaceBelief::clear() {
   places_.clear();
   kept_.clear();
   distance_ = turn_ = 0;
-  looks_ = 0;
+  observations_ = 0;
 }
 
 void PlaceBelief::move(const Motion& motion) {
@@ -135,13 +137,13 @@ void PlaceBelief::move(const Motion& motion) {
   if (motion.modes.size() > 1) normalize();
   std::vector<MotionMode> back;
   for (const MotionMode& mode : motion.modes) back.push_back({inverse(mode.T_a_b), mode.probability});
-  for (Look& look : kept_) look.T_c_l = chained(back, look.T_c_l);
+  for (Observation& observation : kept_) observation.T_c_l = chained(back, observation.T_c_l);
   distance_ += motion.likeliest().T.translation().norm();
   turn_ += rotationAngle(motion.likeliest().T.linear());
 }
 
-// The camera may be anywhere now with that probability: the places lose it to nowhere, and looks from before
-// do not judge new places.
+// The camera may be anywhere now with that probability: the places lose it to nowhere, and observations from
+// before do not judge new places.
 void PlaceBelief::scatter(double probability) {
   constexpr double kElsewhere = 0.5;
   weigh();
@@ -168,7 +170,7 @@ std::vector<int> PlaceBelief::modelsAround(int n) const {
 }
 
 bool PlaceBelief::isDue() const {
-  return looks_ == 0 || motionSince(params_.look_distance, params_.look_rotation_deg) >= 1;
+  return observations_ == 0 || motionSince(params_.look_distance, params_.look_rotation_deg) >= 1;
 }
 
 void PlaceBelief::inject(int part, const PoseWithCovariance& T_w_c, double log_odds) {
@@ -208,7 +210,7 @@ double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
 
 // Log odds of a place that was beyond doubt. Surfaces that the map lacks, those hidden from its local models
 // and as much as may have changed since then do not count against it; a thing that has changed stays in view
-// for a while, and each look speaks little of it.
+// for a while, and each observation speaks little of it.
 double PlaceBelief::oddsOfEstablished(const View& view, const Hypothesis& h) const {
   const double odds = oddsOfKnown(view, h);
   if (odds >= 0 || !ranking_.mayHaveEvidence(view)) return odds;
@@ -234,13 +236,15 @@ double PlaceBelief::spreadOf(const Matrix6d& P) {
 // known.
 double PlaceBelief::historyOf(const Hypothesis& place) const {
   double sum = 0;
-  for (const Look& look : kept_) {
+  for (const Observation& observation : kept_) {
     double likelihood = 0, known = 0;
-    for (const MotionMode& chain : look.T_c_l) {
+    for (const MotionMode& chain : observation.T_c_l) {
       const double sharp = sharpness(chain.T_a_b);
       if (sharp < kUnlikely) continue;
-      const auto seen = ranking_.at(Query(*look.view), place.part, poseOf(place) * chain.T_a_b);
-      const double odds = seen ? look.weight * sharp * added(oddsOfKnown(*look.view, *seen), look.best) : 0;
+      const auto seen = ranking_.at(Query(*observation.view), place.part, poseOf(place) * chain.T_a_b);
+      const double odds =
+          seen ? observation.weight * sharp * added(oddsOfKnown(*observation.view, *seen), observation.best)
+               : 0;
       likelihood += chain.probability * std::exp(odds);
       known += chain.probability;
     }
@@ -276,10 +280,10 @@ std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
   return fresh;
 }
 
-std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const Localization* found,
-                                        bool independent) {
+std::optional<double> PlaceBelief::observe(std::shared_ptr<const View> view, const Localization* found,
+                                           bool independent) {
   if (!has_odds_) return {};
-  const double independence = looks_ == 0 || independent
+  const double independence = observations_ == 0 || independent
                                   ? 1
                                   : 1 - std::exp(-motionSince(calibration_.independent_distance,
                                                               calibration_.independent_rotation_deg));
@@ -318,12 +322,12 @@ std::optional<double> PlaceBelief::look(std::shared_ptr<const View> view, const 
   }
   places_ = std::move(places);
   best = std::max(best, addFresh(*view, fresh, seen, independence));
-  ++looks_;
+  ++observations_;
   distance_ = turn_ = 0;
   PoseWithCovariance here;
   here.P = kLeast * kLeast * Matrix6d::Identity();
   kept_.push_back({std::move(view), {{here, 1}}, independence, best});
-  while (kept_.size() > kKeptLooks) kept_.pop_front();
+  while (kept_.size() > kKeptObservations) kept_.pop_front();
   normalize();
   return of_best;
 }
@@ -393,7 +397,7 @@ double PlaceBelief::addFresh(const View& view, const std::vector<Hypothesis>& fr
   std::stable_sort(list.begin(), list.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
   const ScoreOdds odds = ranking_.odds(ranking_.mayHaveEvidence(view), list);
-  double best = -kMostOfOneLook;
+  double best = -kMostOfOneObservation;
   for (const Hypothesis& h : fresh) best = std::max(best, odds(h.score));
   for (const Candidates& there : seen)
     for (const Candidate& candidate : there) best = std::max(best, candidate.log_odds);

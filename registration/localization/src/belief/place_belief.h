@@ -25,17 +25,17 @@ struct BelievedPlace {
   double log_odds = 0;     ///< against that the map does not hold the place [nats]
   double probability = 0;  ///< beside the other places and that
   double spread = 0;       ///< log of as many local models as its Gaussian covers, which its odds know of
-  Hypothesis match;        ///< with a local model, as of the latest look; no pairs once the camera has moved
+  Hypothesis match;  ///< with a local model, as of the latest observation; no pairs once the camera has moved
 };
 
 /** \brief The belief by all views of a moving camera: Gaussian places with their odds
  * against that it is nowhere in the map (METHOD 3.5).
  *
  * A place moves with the camera. Each view adds its log odds at this very pose to those of the place, as the
- * ranking of a search weighs it. Errors of views close to each other are correlated: a look counts by
+ * ranking of a search weighs it. Errors of views close to each other are correlated: an observation counts by
  * 1 - exp(-motion since the last one / independent motion), so that neither a high frame rate nor standing
- * still sharpens anything. A place that a search brings up is judged by the latest looks too, before it is
- * put beside the others. */
+ * still sharpens anything. A place that a search brings up is judged by the latest observations too, before
+ * it is put beside the others. */
 class PlaceBelief {
 public:
   PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizationParams& localization,
@@ -45,7 +45,7 @@ public:
   void clear();
   /** \brief The camera has moved: each place becomes as many as the motion has modes. */
   void move(const Motion& motion);
-  /** \brief Has it moved so far that a look tells something new? True before the first. */
+  /** \brief Has it moved so far that an observation tells something new? True before the first. */
   bool isDue() const;
   /** \brief Compares a view with all places.
    * \param view where the camera is now; it is kept for a while
@@ -53,10 +53,10 @@ public:
    * a search \param independent the view has nothing in common with the ones before, however little the
    * camera may have moved \return change of the log odds of the place that was most probable [nats]; nothing
    * without a place, or if the map has nothing near it. */
-  std::optional<double> look(std::shared_ptr<const View> view, const Localization* found,
-                             bool independent = false);
+  std::optional<double> observe(std::shared_ptr<const View> view, const Localization* found,
+                                bool independent = false);
   /** \brief Hears a view that is sure, on its own, of another place than the one believed: that has at least
-   * the odds of the view, less the doubt that the motions since the looks before raise. */
+   * the odds of the view, less the doubt that the motions since the observations before raise. */
   void hear(const Hypothesis& sure);
   /** \brief The n local models nearest to each place that is worth asking about. */
   std::vector<int> modelsAround(int n) const;
@@ -71,12 +71,12 @@ public:
   /** \brief Most probable first; their probabilities add up to at most 1, and the rest is that the camera is
    * nowhere in the map. */
   const std::vector<BelievedPlace>& places() const { return places_; }
-  /** \brief Number of looks since nothing was known. */
-  int looks() const { return looks_; }
+  /** \brief Number of observations since nothing was known. */
+  int observations() const { return observations_; }
   void setNumberOfThreads(int n) { threads_ = n; }
 
 private:
-  struct Look {  // that is kept
+  struct Observation {  // that is kept
     std::shared_ptr<const View> view;
     std::vector<MotionMode> T_c_l;  // modes of the motion since, from the present camera
     double weight;
@@ -112,9 +112,9 @@ private:
   PoseLimits limits_;
   bool has_odds_;
   std::vector<BelievedPlace> places_;
-  std::deque<Look> kept_;
-  double distance_ = 0, turn_ = 0;  // since the last look [m, rad]
-  int looks_ = 0;
+  std::deque<Observation> kept_;
+  double distance_ = 0, turn_ = 0;  // since the last observation [m, rad]
+  int observations_ = 0;
   int threads_ = 1;
 };
 

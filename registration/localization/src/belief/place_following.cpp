@@ -38,7 +38,7 @@ ViewAlignmentParams alignmentParams(const MatchingParams& matching) {
 
 }  // namespace
 
-void RepeatedLooks::discount(LocalMap& surroundings) const {
+void RepeatedObservations::discount(LocalMap& surroundings) const {
   constexpr double kMost = 0.9999;  // correlation: keeps covariances finite while the camera stands
   for (std::size_t i = 0; i < surroundings.segments.size(); ++i) {
     const LocalMap::Origin& origin = surroundings.origins[i];
@@ -49,20 +49,20 @@ void RepeatedLooks::discount(LocalMap& surroundings) const {
   }
 }
 
-void RepeatedLooks::add(const std::vector<SegmentPair>& pairs, const LocalMap& surroundings) {
+void RepeatedObservations::add(const std::vector<SegmentPair>& pairs, const LocalMap& surroundings) {
   for (const SegmentPair& p : pairs) {
     const LocalMap::Origin& origin = surroundings.origins[p.model];
     correlation_[{origin.view, origin.segment}] = 1;
   }
 }
 
-void RepeatedLooks::move(const Eigen::Isometry3d& T_a_b) {
+void RepeatedObservations::move(const Eigen::Isometry3d& T_a_b) {
   constexpr double kForgotten = 0.01;
   const double kept =
       std::exp(-T_a_b.translation().norm() / kDistance - rotationAngle(T_a_b.linear()) / kRotation);
-  for (auto look = correlation_.begin(); look != correlation_.end();) {
-    look->second *= kept;
-    look = look->second < kForgotten ? correlation_.erase(look) : std::next(look);
+  for (auto observation = correlation_.begin(); observation != correlation_.end();) {
+    observation->second *= kept;
+    observation = observation->second < kForgotten ? correlation_.erase(observation) : std::next(observation);
   }
 }
 
@@ -92,7 +92,7 @@ PoseWithCovariance PlaceFollowing::onFloor(const View& view, int part, const Pos
 FollowedPlace PlaceFollowing::at(const View& view, int part, const PoseWithCovariance& T_w_c) const {
   FollowedPlace out;
   out.surroundings = surroundings_.around(view, part, T_w_c.T, kModels);
-  looks_.discount(out.surroundings);
+  observations_.discount(out.surroundings);
   out.alignment = alignView(view, out.surroundings, T_w_c, alignment_);
   out.alignment.T_w_c.P = temper(T_w_c.P, out.alignment.T_w_c.P, 1 / kCorrelatedViews);
   if (view.depth.empty()) return out;

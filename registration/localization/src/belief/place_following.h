@@ -16,13 +16,14 @@ namespace facetloc::internal {
 /** \brief Remembers which segments of the map a moving camera has been aligned with lately.
  *
  * An error of the map is the same in every view: a segment that is wrong must not pull the pose with it, view
- * by view. For a moving camera the error counts as one that is correlated from look to look with
- * rho = exp(-distance / kDistance - rotation / kRotation): for a pose that is measured again and again so,
- * each view has (1 - rho) / (1 + rho) of the information of a single one (the mean of a first-order
- * Gauss-Markov process), which is about one look for each kDistance, whatever the frame rate. */
-class RepeatedLooks {
+ * by view. For a moving camera the error counts as one that is correlated from observation to observation
+ * with rho = exp(-distance / kDistance - rotation / kRotation): for a pose that is measured again and again
+ * so, each view has (1 - rho) / (1 + rho) of the information of a single one (the mean of a first-order
+ * Gauss-Markov process), which is about one observation for each kDistance, whatever the frame rate. */
+class RepeatedObservations {
 public:
-  /** \brief The motion after which a look is as good as new: that between two local models [m, rad]. */
+  /** \brief The motion after which an observation is as good as new: that between two local models [m, rad].
+   */
   static constexpr double kDistance = 0.5, kRotation = 15 * kDegree;
 
   /** \brief Enlarges Sigma_q of the segments that were looked at already. */
@@ -34,7 +35,7 @@ public:
   void clear() { correlation_.clear(); }
 
 private:
-  std::map<std::pair<int, int>, double> correlation_;  // with the last look at (local model, segment)
+  std::map<std::pair<int, int>, double> correlation_;  // with the last observation of (local model, segment)
 };
 
 /** \brief A view at a place of the map that was known before. */
@@ -48,16 +49,16 @@ struct FollowedPlace {
   bool isInDoubt() const;
 };
 
-/** \brief Follows a camera from view to view at a place that is known, between the looks of a belief: by the
- * planes and pixels of the local models around it, and a robot by its floor (METHOD 3.1 to 3.4). */
+/** \brief Follows a camera from view to view at a place that is known, between the observations of a belief:
+ * by the planes and pixels of the local models around it, and a robot by its floor (METHOD 3.1 to 3.4). */
 class PlaceFollowing {
 public:
   PlaceFollowing(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);
 
   /** \brief The camera has moved on. */
-  void move(const Eigen::Isometry3d& T_a_b) { looks_.move(T_a_b); }
+  void move(const Eigen::Isometry3d& T_a_b) { observations_.move(T_a_b); }
   /** \brief Nothing has been looked at lately. */
-  void clear() { looks_.clear(); }
+  void clear() { observations_.clear(); }
   /** \brief A robot's pose, corrected by the floor that it stands on, as far as that is new by a motion.
    * The same pose for a camera that is not mounted as the map's. */
   PoseWithCovariance onFloor(const View& view, int part, const PoseWithCovariance& T_w_c,
@@ -65,7 +66,7 @@ public:
   /** \brief Aligns a view with the local models around a pose. \param part of the map */
   FollowedPlace at(const View& view, int part, const PoseWithCovariance& T_w_c) const;
   /** \brief The place is accepted: the segments it was aligned with count as observed. */
-  void accept(const FollowedPlace& place) { looks_.add(place.alignment.pairs, place.surroundings); }
+  void accept(const FollowedPlace& place) { observations_.add(place.alignment.pairs, place.surroundings); }
   /** \brief The local model that shares most with the view, with the pairs; nothing if none does. */
   std::optional<Hypothesis> match(const FollowedPlace& place, int part) const;
 
@@ -74,7 +75,7 @@ private:
   Eigen::Matrix3d floor_covariance_;  // covariance of (roll, pitch, height)
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
-  RepeatedLooks looks_;
+  RepeatedObservations observations_;
 };
 
 }  // namespace facetloc::internal
