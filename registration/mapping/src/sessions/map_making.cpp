@@ -224,7 +224,7 @@ std::optional<Eigen::Isometry3d> MapMaking::pose(std::size_t image) const { retu
 void MapMaking::findTrajectory() {
   Impl& m = *impl_;
   if (!m.findsTrajectory()) return;
-  // Of images without the distortion that the first trajectory shows, a second one is found. Its poses are
+  // A second trajectory is found without the distortion that the first one shows. Its poses are
   // better, which is why findDistortion() estimates the distortion once more, for the local models.
   for (const bool again : {false, true}) {
     CameraTrajectory found = m.run.findTrajectory(m.params.trajectory, m.findings);
