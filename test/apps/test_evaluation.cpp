@@ -246,7 +246,7 @@ TEST(Summary, Reliability) {
   EXPECT_NEAR(s.brier, squares / 4, 1e-12);
 }
 
-TEST(Summary, OfNothingIsZero) {
+TEST(Summary, OfEmptyInputIsZero) {
   const Summary s = summarize("none", {});
   EXPECT_EQ(s.total, 0u);
   EXPECT_EQ(s.recall, 0);

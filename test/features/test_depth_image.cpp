@@ -85,7 +85,7 @@ TEST(DepthImage, TheWorkingWidthIsALowerBound) {
   EXPECT_GE(c.subsampled(2).width, 320);
 }
 
-TEST(LabelImage, MaxLabelOfNothingIsZero) {
+TEST(LabelImage, MaxLabelOfAnEmptyImageIsZero) {
   EXPECT_EQ(LabelImage{}.maxLabel(), 0);
   EXPECT_EQ((LabelImage{2, 2, {0, 7, 3, 0}}).maxLabel(), 7);
 }

@@ -90,7 +90,7 @@ TEST(NoiseOverRange, IsNotThatOfEdgesHolesAndRelief) {
   for (const NoiseBin& bin : bins) EXPECT_GT(bin.nearest, 2) << "only the farther one is left";
 }
 
-TEST(NoiseOverRange, OfNothingIsNothing) {
+TEST(NoiseOverRange, OfEmptyImagesIsEmpty) {
   EXPECT_TRUE(noiseSamples({}).empty());
   DepthImage empty = wallAt(2);
   std::fill(empty.depth.begin(), empty.depth.end(), 0.f);

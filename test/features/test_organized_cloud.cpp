@@ -111,7 +111,7 @@ TEST(RecoverIntrinsics, TooFewPointsHaveNone) {
   EXPECT_FALSE(recoverIntrinsics(*organizedCloud<pcl::PointXYZ>(image)));
 }
 
-TEST(RecoverIntrinsics, AMirroredImageHasNone) {
+TEST(RecoverIntrinsics, FailsForAMirroredImage) {
   Cloud cloud = *organizedCloud<pcl::PointXYZ>(roomImage(test::tinyCamera()));
   for (auto& p : cloud) p.x = -p.x;
   EXPECT_FALSE(recoverIntrinsics(cloud));

@@ -31,7 +31,7 @@ protected:
   }
 };
 
-TEST_F(MessageRecordings, HaveTheirImagesAtTheTimesTheyWereTakenHoweverTheyAreStored) {
+TEST_F(MessageRecordings, KeepImageTimesInEveryStorageFormat) {
   for (const char* words : {"db3", "db3 zstd", "db3 split", "db3 32FC1 big", "db3 png", "db3 rvl", "mcap",
                             "mcap zstd", "mcap lz4", "mcap unchunked", "mcap big", "mcap split lz4",
                             "mcap 32FC1 unchunked", "mcap png zstd", "mcap rvl lz4"}) {

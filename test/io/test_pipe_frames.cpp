@@ -340,7 +340,7 @@ TEST_F(V4l2File, ThatIsTornOrOfNoCameraSaysSo) {
   EXPECT_THROW(V4l2Frames(write(""), camera()), IoError);
 }
 
-TEST(V4l2Device, ThatIsNoneSaysSo) {
+TEST(V4l2Device, AnotherFileIsRefused) {
   EXPECT_TRUE(V4l2Frames::reads("/dev/null"));
   EXPECT_THAT(ioErrorOf([] { V4l2Frames("/dev/null", CameraFile()); }),
               HasSubstr("/dev/null: is no video device"));

@@ -132,7 +132,7 @@ TEST_F(Rules, StampsInOtherUnitsAreKnownByTheirSize) {
   }
 }
 
-TEST_F(Rules, MillisecondsOfAClockThatBeginsWithTheRecordingAreKnownByTheirJitter) {
+TEST_F(Rules, MillisecondsSinceTheStartAreRecognizedByTheirJitter) {
   put("camera.ini", kCamera);
   for (const int ms : {0, 33, 67, 100, 133, 167}) putDepth("depth/" + std::to_string(ms) + ".png");
   EXPECT_NEAR(open().frames()[2].stamp, 0.067, 1e-9);

@@ -226,7 +226,7 @@ TEST_F(Recordings, DatesOfAllUsualFormsAreTimes) {
   }
 }
 
-TEST_F(Recordings, NamesThatOnlyLookLikeTimesAreNone) {
+TEST_F(Recordings, NamesThatOnlyResembleTimesAreNotTimes) {
   for (const char* name : {"frame_20121314T142255.814212", "frame_20121214T142255.8e5", "a_20121214T1422",
                            "20121214T142255.81421x", "frame_2012-12-14T14"}) {
     fs::remove_all(folder_ / "clouds");
@@ -236,7 +236,7 @@ TEST_F(Recordings, NamesThatOnlyLookLikeTimesAreNone) {
   }
 }
 
-TEST_F(Recordings, ImagesOfNobodysCameraAreAnErrorThatSaysWhatToWrite) {
+TEST_F(Recordings, ImagesOfAnUnknownCameraAreAnErrorThatNamesTheRemedy) {
   putDepth("depth/1.5.png", 1);
   const std::string error = ioErrorOf([&] { open(); });
   EXPECT_THAT(error, HasAll("camera.ini", "--camera NAME", "realsense_d435"));

@@ -460,7 +460,7 @@ TEST_F(SequenceInTwinRooms, TwoDirectionsOfOneViewAreOneView) {
   EXPECT_NE(localizer.smoothed(drive).front().state, AnswerState::sure);
 }
 
-TEST_F(SequenceInTwinRooms, NothingThatComesLaterTellsNothing) {
+TEST_F(SequenceInTwinRooms, WithoutLaterViewsNothingChanges) {
   Localizer localizer(map);
   const Localization until = localizer.update(views[0], 0);
   PoseWithCovariance none;

@@ -45,7 +45,7 @@ std::vector<int> sorted(std::vector<int> models) {
   return models;
 }
 
-TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsTheRightOne) {
+TEST_F(PlaceIndexOfRooms, AShortlistWithTheRightModelGivesTheAnswerOfAllModels) {
   GlobalLocalizationParams params;
   params.shortlist.size = 0;
   const GlobalLocalization all(map, params);
@@ -85,7 +85,7 @@ TEST_F(PlaceIndexOfRooms, TheShortlistedAnswerIsThatOfAllModelsIfTheListHoldsThe
   EXPECT_GE(compared, 4);
 }
 
-TEST_F(PlaceIndexOfRooms, TheShortlistIsOfTheBestAlignedAndOfThoseWithWhosePlanesTheViewAgreesBest) {
+TEST_F(PlaceIndexOfRooms, ShortlistsTheBestAlignedAndTheBestExaminedModels) {
   constexpr int kAligned = 30, kFirst = 2, kListed = 6;
   GlobalLocalizationParams params;
   params.shortlist = few();
@@ -407,7 +407,7 @@ TEST_F(PlaceIndexOfRooms, AModelRegisteredAnewCountsOnce) {
   EXPECT_GE(equal, compared - 1);
 }
 
-TEST_F(PlaceIndexOfRooms, OnlyForACameraThatIsMountedAsTheMapsTheFloorAndTheListHold) {
+TEST_F(PlaceIndexOfRooms, FloorAndShortlistNeedTheMountingOfTheMapsCamera) {
   GlobalLocalizationParams params;
   params.shortlist.exhaustive_up_to = 0;
   const GlobalLocalization localization(map, params);

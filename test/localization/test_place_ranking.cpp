@@ -198,7 +198,7 @@ TEST(RankPlaces, EqualScoresKeepTheirOrder) {
   }
 }
 
-TEST(RankPlaces, OfNothingIsNothing) {
+TEST(RankPlaces, OfNoHypothesesIsEmpty) {
   std::vector<Hypothesis> h;
   rankPlaces({}, h);
   EXPECT_TRUE(h.empty());
@@ -505,7 +505,7 @@ TEST_F(Evidence, ARefinementThatLeavesItsPlaceIsNotTaken) {
   EXPECT_LT(refined(0.14), 0.01);
 }
 
-TEST_F(Evidence, IsNoneWhereThereIsNothingToCompare) {
+TEST_F(Evidence, IsMissingWithoutPixelsToCompare) {
   const std::vector<Hypothesis> plain{hypothesis(20, truth)};
   const auto expectNone = [&](std::vector<Hypothesis> h) {
     EXPECT_FALSE(add(h));

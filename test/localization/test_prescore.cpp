@@ -116,7 +116,7 @@ TEST(Prescore, IsStillBestWithHalfOfTheWalls) {
   EXPECT_GT(outlook.of(seenFrom(2, 2.5, 0.1, 2)), outlook.of(seenFrom(4, 1.5, 2.4, 3)));
 }
 
-TEST(Prescore, NothingHasNone) {
+TEST(Prescore, IsZeroForAnEmptyView) {
   const PlaceDescriptor place = seenFrom(2, 2.5, 0, 1), nothing;
   EXPECT_EQ(Prescore(nothing).of(place), 0);
   EXPECT_EQ(Prescore(place).of(nothing), 0);

@@ -116,7 +116,7 @@ TEST_F(DistortionCalibration, EstimatesTheAccuracyOfThePoses) {
   EXPECT_FALSE(found->reliable());
 }
 
-TEST_F(DistortionCalibration, APerfectCameraHasNone) {
+TEST_F(DistortionCalibration, FindsNoneForAPerfectCamera) {
   see(0);
   const auto found = calibrateDistortion(pictures_, kNoise, kRough);
   ASSERT_TRUE(found);

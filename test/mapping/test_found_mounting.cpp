@@ -61,7 +61,7 @@ TEST(FoundMounting, IsFoundWhereTheViewsAreNotInMemory) {
   EXPECT_EQ(findMounting(stored)->models, findMounting(store->map)->models);
 }
 
-TEST(FoundMounting, ACameraInTheHandHasNone) {
+TEST(FoundMounting, IsMissingForAHandheldCamera) {
   EXPECT_FALSE(findMounting(drive({1.3, 20}, 0.08, 8, 10)));
   EXPECT_FALSE(findMounting(drive({1.3, 20}, 0.03, 1, 10))) << "however straight it is held";
 }

@@ -92,7 +92,7 @@ TEST(FreePlaces, AreNotAroundAllOthersUnlessThatIsAskedFor) {
     EXPECT_FALSE(p.x() > 0 && p.x() < 10.2 && p.y() > 0 && p.y() < 4) << p.transpose();
 }
 
-TEST(FreePlaces, AreNoneInAnEmptySpaceOrInFrontOfAWall) {
+TEST(FreePlaces, AreMissingInEmptySpaceAndInFrontOfAWall) {
   const MeshSurface wall(BoxMesh().add({0, 0, 0}, {5, 0.2f, 2.5f}).mesh());
   EXPECT_TRUE(
       freePlaces(SpaceProbe(wall, Eigen::Isometry3d::Identity()), robot(), inOrder).positions.empty());

@@ -109,7 +109,7 @@ TEST(TrajectoryImprovement, AnEndlessOneDoesNotGrowWhereTheCameraHasBeen) {
   EXPECT_EQ(estimation.trajectory().parts().size(), 1u);
 }
 
-TEST(TrajectoryImprovement, AnEndlessOneKnowsThePlaceThatTheCameraIsCarriedBackTo) {
+TEST(TrajectoryImprovement, RecognizesThePlaceThatACameraIsCarriedBackTo) {
   TrajectoryEstimation estimation;
   estimation.setEndless(true);
   constexpr int kWay = 11;  // images, after which the camera begins again: 44 deg away

@@ -154,7 +154,7 @@ TEST(CandidatePairs, OnlyTheMostInformativeSegmentsTakePart) {
   EXPECT_EQ(setOf(pairs), want);
 }
 
-TEST(CandidatePairs, OfNothingAreNone) {
+TEST(CandidatePairs, OfEmptyViewsAreEmpty) {
   Rng rng(7);
   const std::vector<Segment> some = randomSegments(rng, 3);
   EXPECT_TRUE(candidatePairs({}, some, paperPrior()).empty());

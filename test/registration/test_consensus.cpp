@@ -130,7 +130,7 @@ TEST(LogLikelihoodRatio, AParallelSegmentIsDiscountedByHowLikelyItIsByChance) {
   }
 }
 
-TEST(LogLikelihoodRatio, AnotherPartOfAPlaneIsDiscountedByHowWellThatPlaneIsKnown) {
+TEST(LogLikelihoodRatio, FurtherSegmentsOfAKnownPlaneAreDiscounted) {
   const Segment s = threeWalls()[0];
   const double uniform = 1 / (2 * kPi * 6), parallel = uniform / std::pow(3 * kDegree, 2);
   for (const double turn_deg : {0.0, 1.0, 3.0})
@@ -238,7 +238,7 @@ TEST(LogLikelihoodRatio, MovesWithTheFrameOfTheModel) {
   }
 }
 
-TEST(LogLikelihoodRatio, OfNothingIsZero) {
+TEST(LogLikelihoodRatio, OfAnEmptySceneIsZero) {
   EXPECT_EQ(llr(std::vector<Segment>{}, threeWalls()), 0);
   std::vector<Segment> without_outline = threeWalls();
   for (Segment& s : without_outline) s.hull.size = 0;

@@ -250,7 +250,7 @@ TEST(HypothesisTree, APriorThatFixesAPoseNeedsNoPairs) {
   for (const PoseNode& n : search(floor).with_known.complete) EXPECT_EQ(n.pairs.size(), 2u);
 }
 
-TEST(HypothesisTree, OfNothingIsEmpty) {
+TEST(HypothesisTree, WithoutCandidatesIsEmpty) {
   const TreeSearchResult result = searchHypotheses({}, {}, {}, widePrior(), {}, {}, {});
   EXPECT_TRUE(result.by_pairs.complete.empty());
   EXPECT_TRUE(result.by_pairs.incomplete.empty());
@@ -286,7 +286,7 @@ TEST(HypothesisTree, ManyCandidatesFillMoreThanOneWord) {
   EXPECT_EQ(result.expansions, want);
 }
 
-TEST(Observability, OfNothingIsTheWeakPrior) {
+TEST(Observability, WithoutInformationIsTheWeakPrior) {
   const PrincipalStd o = observability(Matrix6d::Zero());
   EXPECT_NEAR(o.rotation[2], 30 * kDegree, 1e-9);
   EXPECT_NEAR(o.translation[0], 10, 1e-9);

@@ -261,7 +261,7 @@ int rankOf(const Matrix6d& information) {
   return static_cast<int>(lu.rank());
 }
 
-TEST(PlaneMeasurement, NormalsThatSpanOneTwoThreeDimensionsFixThreeFiveSixDegreesOfFreedom) {
+TEST(PlaneMeasurement, OneTwoThreeNormalsFixThreeFiveSixDegreesOfFreedom) {
   Rng rng(12);
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector3d a = test::randomDirection(rng), b = a.unitOrthogonal(), c = a.cross(b);

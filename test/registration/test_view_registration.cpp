@@ -387,7 +387,7 @@ TEST(UnconstrainedDirections, DoNotDependOnTheLocale) {
   EXPECT_EQ(freeDirections(kCorridor), "translation along (0.00, 0.00, 1.00)");
 }
 
-TEST(UnconstrainedDirections, OfASingleWallAreTwoTranslationsAndTheTurnAboutItsNormal) {
+TEST(UnconstrainedDirections, OfOneWallAreTwoTranslationsAndARotation) {
   const std::string text = freeDirections({rectangle({0, 0, 3}, {0, 0, 1}, 1, 0.8)});
   EXPECT_THAT(text, HasSubstr("rotation about (0.00, 0.00, 1.00)"));
   EXPECT_THAT(text, HasSubstr("translation along"));
@@ -401,7 +401,7 @@ TEST(UnconstrainedDirections, OfAWallBeforeARobotIsTheTranslationAlongIt) {
             "translation along (1.00, 0.00, 0.00)");
 }
 
-TEST(UnconstrainedDirections, OfNothingAreAllSix) {
+TEST(UnconstrainedDirections, WithoutPlanesAreAllSix) {
   const std::string text = freeDirections({});
   int commas = 0;
   for (std::size_t at = text.find("), "); at != std::string::npos; at = text.find("), ", at + 1)) ++commas;

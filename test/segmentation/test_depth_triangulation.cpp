@@ -233,7 +233,7 @@ INSTANTIATE_TEST_SUITE_P(DepthTriangulation, EveryImage, testing::ValuesIn(image
 
 // ---- special cases
 
-TEST(DepthTriangulation, OfNothingIsEmpty) {
+TEST(DepthTriangulation, OfAnEmptyImageIsEmpty) {
   DepthTriangulation split;
   for (const DisparityImage& image :
        {DisparityImage{}, blankDisparity(40, 30), blankDisparity(1, 1), randomDisparity(1, 1, 1, 1),

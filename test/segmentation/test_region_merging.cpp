@@ -67,7 +67,7 @@ TEST(RegionMerging, CostIsTheLargerOfResidualAndDisplacement) {
   }
 }
 
-TEST(RegionMerging, OfNothingAndOfOnePlaneCostsNothing) {
+TEST(RegionMerging, HalvesOfAPlaneCostNothing) {
   EXPECT_EQ(RegionMerging::cost({}, 0, {}, 0), 0);
   PlaneMoments a, b;
   for (int u = 0; u < 20; ++u)
@@ -209,7 +209,7 @@ TEST(RegionMerging, StepsAndPlanesThroughTheCameraBelongToNoRegion) {
   }
 }
 
-TEST(RegionMerging, OfNothingIsEmpty) {
+TEST(RegionMerging, OfAnEmptyImageIsEmpty) {
   for (const DisparityImage& image :
        {DisparityImage{}, blankDisparity(10, 10), randomDisparity(1, 1, 1, 1)}) {
     const Merged m(image);
