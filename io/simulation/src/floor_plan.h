@@ -252,6 +252,30 @@ private:
   Random& random_;
 };
 
+/** \brief A floor that is built and furnished. */
+class FurnishedFloor {
+protected:
+  /** \param purpose of the random numbers for its furniture */
+  FurnishedFloor(std::uint64_t seed, std::uint64_t purpose)
+      : seed_(seed),
+        random_(derivedSeed(seed, purpose)),
+        builder_(place_),
+        furnisher_(builder_, plan_, random_) {}
+
+  /** \brief Random number from least to most, both included. */
+  int count(int least, int most) { return least + static_cast<int>((most - least + 1) * random_.uniform()); }
+
+  static constexpr double kPi = 180 * kDegree;
+
+  std::uint64_t seed_;
+  Random random_;
+  SimulatedPlace place_;
+  SceneBuilder builder_;
+  FloorPlan plan_;
+  Furnisher furnisher_;
+  bool mirrored_ = false;
+};
+
 /** \brief Turns a place into its mirror image: x becomes width - x. */
 inline void mirror(SimulatedPlace& place, double width) {
   const auto point = [width](Eigen::Vector3d p) { return Eigen::Vector3d(width - p.x(), p.y(), p.z()); };

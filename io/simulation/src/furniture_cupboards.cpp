@@ -20,39 +20,27 @@ void addCupboard(SceneBuilder& builder, const Spot& spot, Random& random, When w
 }
 
 void addSideboard(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.38, kind::kSideboard.depth);
-  const double width = random.uniform(1.2, kind::kSideboard.width);
-  const double height = random.uniform(0.7, 0.95);
+  const auto [depth, width, height, middle] = drawn(kind::kSideboard, spot, 0.38, 1.2, 0.7, 0.95, random);
   const bool dark = chance(random, kDarkCupboards);
-  const Spot middle = spot.relative((depth - kind::kSideboard.depth) / 2, 0);
   addCarcass(builder, middle, depth, width, height, 3, when, darkIf(dark));
   addOddments(builder, middle.relative(0, 0, 0, height), depth, width, count(random, 1, 4), random, when);
 }
 
 void addWardrobe(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.55, kind::kWardrobe.depth);
-  const double width = random.uniform(1.0, kind::kWardrobe.width);
-  const double height = random.uniform(1.9, 2.2);
+  const auto [depth, width, height, middle] = drawn(kind::kWardrobe, spot, 0.55, 1.0, 1.9, 2.2, random);
   const bool dark = chance(random, kDarkCupboards);
-  const Spot middle = spot.relative((depth - kind::kWardrobe.depth) / 2, 0);
   addCarcass(builder, middle, depth, width, height, width > 1.3 ? 3 : 2, when, darkIf(dark));
 }
 
 void addShoeCupboard(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.22, kind::kShoeCupboard.depth);
-  const double width = random.uniform(0.6, kind::kShoeCupboard.width);
-  const double height = random.uniform(0.75, 1.2);
-  const Spot middle = spot.relative((depth - kind::kShoeCupboard.depth) / 2, 0);
+  const auto [depth, width, height, middle] = drawn(kind::kShoeCupboard, spot, 0.22, 0.6, 0.75, 1.2, random);
   addCarcass(builder, middle, depth, width, height, 1, when, Material::matt);
   if (chance(random, 0.6)) builder.box(middle.relative(0, 0.1, 0.3, height), {0.16, 0.2, 0.1}, when);
 }
 
 void addBookcase(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.27, kind::kBookcase.depth);
-  const double width = random.uniform(0.6, kind::kBookcase.width);
-  const double height = random.uniform(1.2, 2.1);
+  const auto [depth, width, height, middle] = drawn(kind::kBookcase, spot, 0.27, 0.6, 1.2, 2.1, random);
   const double distance = random.uniform(0.3, 0.4);
-  const Spot middle = spot.relative((depth - kind::kBookcase.depth) / 2, 0);
   const std::vector<double> tops = addOpenShelf(builder, middle, depth, width, height, distance, when);
   for (std::size_t i = 0; i + 1 < tops.size(); ++i)
     addBooks(builder, middle.relative(0.005, 0, 0, tops[i]), depth - 0.02, width - 2 * kBoard,

@@ -98,10 +98,7 @@ void addMachine(SceneBuilder& builder, const Spot& spot, Random& random, When wh
 }
 
 void addWorkbench(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.65, kind::kWorkbench.depth);
-  const double width = random.uniform(1.4, kind::kWorkbench.width);
-  const double height = random.uniform(0.82, 0.95);
-  const Spot middle = spot.relative((depth - kind::kWorkbench.depth) / 2, 0);
+  const auto [depth, width, height, middle] = drawn(kind::kWorkbench, spot, 0.65, 1.4, 0.82, 0.95, random);
   builder.box(middle.relative(0, 0, 0, height - 0.05), {depth, width, 0.05}, when);
   legs(builder, middle, depth, width, height - 0.05, 0.08, when);
   builder.box(middle.relative(0, width / 4, 0, 0.15), {depth - 0.15, 0.42, height - 0.25}, when);

@@ -56,10 +56,7 @@ void addArmchair(SceneBuilder& builder, const Spot& spot, Random& random, When w
 }
 
 void addTvStand(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.36, kind::kTvStand.depth);
-  const double width = random.uniform(1.2, kind::kTvStand.width);
-  const double height = random.uniform(0.4, 0.6);
-  const Spot middle = spot.relative((depth - kind::kTvStand.depth) / 2, 0);
+  const auto [depth, width, height, middle] = drawn(kind::kTvStand, spot, 0.36, 1.2, 0.4, 0.6, random);
   addCarcass(builder, middle, depth, width, height, 2, when, Material::matt);
   const double screen = random.uniform(0.9, 1.2);
   const double turn = random.uniform(-8, 8) * kDegree;
@@ -110,10 +107,7 @@ void addBed(SceneBuilder& builder, const Spot& spot, Random& random, When when) 
 }
 
 void addBedsideTable(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.32, kind::kBedsideTable.depth);
-  const double width = random.uniform(0.35, kind::kBedsideTable.width);
-  const double height = random.uniform(0.42, 0.6);
-  const Spot middle = spot.relative((depth - kind::kBedsideTable.depth) / 2, 0);
+  const auto [depth, width, height, middle] = drawn(kind::kBedsideTable, spot, 0.32, 0.35, 0.42, 0.6, random);
   addCarcass(builder, middle, depth, width, height, 1, when, Material::matt);
   const Spot top = middle.relative(-0.04, 0.03, 0, height);
   builder.cylinder(top, 0.015, 0.2, when);

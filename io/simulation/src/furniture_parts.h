@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "scene_builder.h"
+#include "furniture.h"
 
 #include <vector>
 
@@ -20,6 +20,20 @@ inline bool chance(Random& random, double probability) { return random.uniform()
 /** \brief Random number from least to most, both included. */
 inline int count(Random& random, int least, int most) {
   return least + static_cast<int>((most - least + 1) * random.uniform());
+}
+
+/** \brief A thing with its back where its kind's is: its sizes and its middle. */
+struct Drawn {
+  double depth, width, height;
+  Spot middle;
+};
+/** \brief Draws depth and width, from the least up to those of the kind, and the height. */
+inline Drawn drawn(const Kind& kind, const Spot& spot, double least_depth, double least_width,
+                   double least_height, double most_height, Random& random) {
+  const double depth = random.uniform(least_depth, kind.depth);
+  const double width = random.uniform(least_width, kind.width);
+  return {depth, width, random.uniform(least_height, most_height),
+          spot.relative((depth - kind.depth) / 2, 0)};
 }
 
 /** \brief A box that leans: pitched about the y axis of its spot, to the front if positive, after its middle

@@ -10,10 +10,7 @@
 namespace facetloc {
 
 void addDesk(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.68, kind::kDesk.depth);
-  const double width = random.uniform(1.2, kind::kDesk.width);
-  const double height = random.uniform(0.70, 0.76);
-  const Spot middle = spot.relative((depth - kind::kDesk.depth) / 2, 0);
+  const auto [depth, width, height, middle] = drawn(kind::kDesk, spot, 0.68, 1.2, 0.70, 0.76, random);
   builder.box(middle.relative(0, 0, 0, height - 0.03), {depth, width, 0.03}, when);
   if (chance(random, 0.5)) {
     legs(builder, middle, depth, width, height - 0.03, 0.05, when);

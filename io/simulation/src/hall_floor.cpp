@@ -12,12 +12,6 @@ constexpr int kBays = 4;
 
 }  // namespace
 
-HallFloor::HallFloor(std::uint64_t seed)
-    : seed_(seed),
-      random_(derivedSeed(seed, kFurniture)),
-      builder_(place_),
-      furnisher_(builder_, plan_, random_) {}
-
 SimulatedPlace HallFloor::build() {
   drawSizes();
   drawRoutes();

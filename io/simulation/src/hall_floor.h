@@ -29,16 +29,15 @@ namespace facetloc {
  *     +-----------------------+-------+
  *
  * Half of the halls are mirrored. */
-class HallFloor {
+class HallFloor : FurnishedFloor {
 public:
-  explicit HallFloor(std::uint64_t seed);
+  explicit HallFloor(std::uint64_t seed) : FurnishedFloor(seed, kFurniture) {}
 
   SimulatedPlace build();
 
 private:
   enum Purpose : std::uint64_t { kSizes, kWays, kRacks, kFurniture };
 
-  static constexpr double kPi = 180 * kDegree;
   // Lengths in metres.
   static constexpr double kInnerWall = 0.14;   // thickness of the store room's walls
   static constexpr double kBackToBack = 0.12;  // between the two racks of a double row
@@ -71,7 +70,6 @@ private:
   /** A low rail that guards the end of a row. */
   void addGuard(double x, double y, double width);
   void buildRacks();
-  int count(int least, int most);
   Eigen::AlignedBox2d openArea() const;
   /** Pallets in rows, as a fork lift puts them down; some places are empty. */
   void addPalletBlock(const Eigen::Vector2d& corner, int columns, int lines);
@@ -83,14 +81,6 @@ private:
   void addFixtures();
   void addPeople();
 
-  std::uint64_t seed_;
-  Random random_;
-  SimulatedPlace place_;
-  SceneBuilder builder_;
-  FloorPlan plan_;
-  Furnisher furnisher_;
-
-  bool mirrored_ = false;
   Eigen::AlignedBox2d hall_, store_;  // store_: between the lines of its walls
   double ceiling_ = 0;
   RackRow rack_;

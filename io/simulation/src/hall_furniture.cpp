@@ -37,10 +37,6 @@ void HallFloor::buildRacks() {
   }
 }
 
-int HallFloor::count(int least, int most) {
-  return least + static_cast<int>((most - least + 1) * random_.uniform());
-}
-
 AlignedBox2d HallFloor::openArea() const {
   constexpr double kOffRacks = 0.4;
   return {Vector2d(racks_east_ + kOffRacks, 0), hall_.max()};

@@ -11,15 +11,7 @@ using Eigen::Vector2d;
 // Middle of a bedroom's door to the line of the wall beside it [m].
 constexpr double kDoorFromCorner = 0.85;
 
-enum Purpose : std::uint64_t { kSizes, kWays, kFurniture };
-
 }  // namespace
-
-HomeFloor::HomeFloor(std::uint64_t seed)
-    : seed_(seed),
-      random_(derivedSeed(seed, kFurniture)),
-      builder_(place_),
-      furnisher_(builder_, plan_, random_) {}
 
 SimulatedPlace HomeFloor::build() {
   drawSizes();
@@ -70,16 +62,12 @@ void HomeFloor::drawSizes() {
 
 void HomeFloor::drawRoutes() {
   Random random(derivedSeed(seed_, kWays));
-  const auto near = [&](double x, double y) {
-    constexpr double kSpread = 0.12;
-    const double dx = random.uniform(-kSpread, kSpread), dy = random.uniform(-kSpread, kSpread);
+  const auto within = [&](double spread, double x, double y) {
+    const double dx = random.uniform(-spread, spread), dy = random.uniform(-spread, spread);
     return Waypoint{{x + dx, y + dy}, 0};
   };
-  const auto in_door = [&](double x, double y) {
-    constexpr double kSpread = 0.04;
-    const double dx = random.uniform(-kSpread, kSpread), dy = random.uniform(-kSpread, kSpread);
-    return Waypoint{{x + dx, y + dy}, 0};
-  };
+  const auto near = [&](double x, double y) { return within(0.12, x, y); };
+  const auto in_door = [&](double x, double y) { return within(0.04, x, y); };
   const double middle = (south_ + north_) / 2;
   const double lane = middle - random.uniform(0.02, 0.08);
   const double south_door = south_ - 0.55, north_door = north_ + 0.55;

@@ -25,14 +25,15 @@ namespace facetloc {
  *     | room    | bed A | bed B |
  *     +---------+-------+-------+
  */
-class HomeFloor {
+class HomeFloor : FurnishedFloor {
 public:
-  explicit HomeFloor(std::uint64_t seed);
+  explicit HomeFloor(std::uint64_t seed) : FurnishedFloor(seed, kFurniture) {}
 
   SimulatedPlace build();
 
 private:
-  static constexpr double kPi = 180 * kDegree;
+  enum Purpose : std::uint64_t { kSizes, kWays, kFurniture };
+
   // Lengths in metres.
   static constexpr double kCeiling = 2.5;
   static constexpr double kWall = 0.12;  // thickness of the inner walls
@@ -62,7 +63,6 @@ private:
   void addShaft(const Eigen::Vector2d& corner, const Eigen::Vector2d& inward);
 
   // ---- Furniture (home_furniture.cpp) ----
-  int count(int least, int most);
   void addPictures(const Eigen::AlignedBox2d& room, int number);
   /** Chairs at two sides of a table or in front of a desk; they look at it. */
   void addChairs(const Kind& kind, const Spot& table, const Eigen::AlignedBox2d& room, int number,
@@ -80,14 +80,6 @@ private:
   void addRadiators();
   void addPeople();
 
-  std::uint64_t seed_;
-  Random random_;
-  SimulatedPlace place_;
-  SceneBuilder builder_;
-  FloorPlan plan_;
-  Furnisher furnisher_;
-
-  bool mirrored_ = false;
   double width_ = 0, depth_ = 0;             // inside of the outer walls
   double west_ = 0;                          // x of the wall between the west rooms and the others
   double south_ = 0, north_ = 0;             // y of the hallway's walls

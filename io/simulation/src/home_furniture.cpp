@@ -11,10 +11,6 @@ using Eigen::Vector2d;
 
 }  // namespace
 
-int HomeFloor::count(int least, int most) {
-  return least + static_cast<int>((most - least + 1) * random_.uniform());
-}
-
 void HomeFloor::addPictures(const AlignedBox2d& room, int number) {
   for (int i = 0; i < number; ++i) {
     const double width = random_.uniform(0.3, 1.1), height = random_.uniform(0.3, 0.75);
