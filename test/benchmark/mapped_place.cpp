@@ -20,8 +20,11 @@ void SeenRun::see(const Camera& camera, const ViewParams& params) {
 }
 
 void findAmbiguity(Map& map, const GlobalLocalizationParams& params) {
-  internal::setAmbiguity(
-      internal::aliasScores(internal::GlobalLocalization(std::make_shared<const Map>(map), params)), map);
+  const internal::GlobalLocalization localization(std::make_shared<const Map>(map), params);
+  internal::AliasScores scores(map.models.size());
+  for (const int model : internal::viewsToAsk(map))
+    if (const auto wrong = internal::wrongPlace(localization, model)) scores[model] = wrong->score;
+  internal::setAmbiguity(scores, map);
 }
 
 MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query,

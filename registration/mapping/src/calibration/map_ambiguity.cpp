@@ -59,13 +59,6 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
   return {};
 }
 
-AliasScores aliasScores(const GlobalLocalization& localization) {
-  AliasScores scores(localization.map().models.size());
-  for (const int model : viewsToAsk(localization.map()))
-    if (const auto wrong = wrongPlace(localization, model)) scores[model] = wrong->score;
-  return scores;
-}
-
 std::optional<MapAmbiguity> ambiguityOf(const AliasScores& scores) {
   std::vector<double> found;
   for (const std::optional<double>& score : scores)

@@ -32,8 +32,6 @@ std::optional<Hypothesis> wrongPlace(const GlobalLocalization& localization, int
 /** \brief Score of the best wrong place of each local model; nothing where none was asked for or found.
  */
 using AliasScores = std::vector<std::optional<double>>;
-/** \brief The whole map is asked. */
-AliasScores aliasScores(const GlobalLocalization& localization);
 
 /** \brief The mean of the highest tenth; nothing of no scores. */
 std::optional<MapAmbiguity> ambiguityOf(const AliasScores& scores);

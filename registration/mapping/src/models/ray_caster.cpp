@@ -47,10 +47,11 @@ void RayCaster::requireNoError() const {
   }
 }
 
-void* RayCaster::buffer(RTCBufferType type, RTCFormat format, std::size_t stride, std::size_t items) {
-  void* const memory = rtcSetNewGeometryBuffer(geometry_, type, 0, format, stride, items);
+template <class Number>
+Number* RayCaster::buffer(RTCBufferType type, RTCFormat format, std::size_t numbers, std::size_t items) {
+  void* const memory = rtcSetNewGeometryBuffer(geometry_, type, 0, format, numbers * sizeof(Number), items);
   requireNoError();
-  return memory;
+  return static_cast<Number*>(memory);
 }
 
 void RayCaster::commit() {
@@ -66,23 +67,15 @@ void RayCaster::commit() {
 void RayCaster::setTriangles(std::size_t vertices, std::size_t triangles,
                              const std::function<void(const Triangles&)>& fill) {
   geometry_ = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-  Triangles all{};
-  all.vertices =
-      static_cast<float*>(buffer(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
-  all.corners = static_cast<std::uint32_t*>(
-      buffer(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles));
-  fill(all);
+  fill({buffer<float>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3, vertices),
+        buffer<std::uint32_t>(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3, triangles)});
   commit();
 }
 
 void RayCaster::setDiscs(std::size_t discs, const std::function<void(const Discs&)>& fill) {
   geometry_ = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
-  Discs all{};
-  all.centres =
-      static_cast<float*>(buffer(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4 * sizeof(float), discs));
-  all.normals =
-      static_cast<float*>(buffer(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, 3 * sizeof(float), discs));
-  fill(all);
+  fill({buffer<float>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4, discs),
+        buffer<float>(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, 3, discs)});
   commit();
 }
 

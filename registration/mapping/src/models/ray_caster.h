@@ -40,7 +40,8 @@ public:
   DepthImage depth(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c, bool fronts_only = false) const;
 
 private:
-  void* buffer(RTCBufferType type, RTCFormat format, std::size_t stride, std::size_t items);
+  template <class Number>
+  Number* buffer(RTCBufferType type, RTCFormat format, std::size_t numbers, std::size_t items);
   void commit();
   void requireNoError() const;
 

@@ -147,30 +147,26 @@ std::optional<std::size_t> nearestOf(std::size_t n, const Eigen::Isometry3d& T, 
 class Update {
 public:
   Update(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
-         const MapSessionParams& params)
+         const MapSessionParams& params, const Review& review)
       : map_(map),
         session_(session),
         near_(builder),
         builder_(builder),
         params_(params),
+        review_(review),
         comparison_(DepthCalibration{}),
-        used_(session.size(), false),
-        trusted_(session.size(), false),
         removed_(map.models.size(), false),
         fresh_(map.models.size(), false),
         edited_(map.models.size(), false) {
     for (const LocalModel& model : map.models) names_.insert(model.name);
+    for (std::size_t i = 0; i < session.size(); ++i) used_.push_back(!review.trusts(i));
   }
 
   /** Removes models that are gone; one that has lost much is replaced by the image nearest to it, if one is
    * near. */
-  void retire(const Review& review) {
-    for (std::size_t i = 0; i < used_.size(); ++i) {
-      trusted_[i] = review.trusts(i);
-      used_[i] = !trusted_[i];
-    }
+  void retire() {
     for (std::size_t m = 0; m < removed_.size(); ++m) {
-      const SurfaceReview& of_model = review.of(m);
+      const SurfaceReview& of_model = review_.of(m);
       if (of_model.judged == 0) continue;
       ++changes_.seen;
       changes_.surfaces += of_model.gone_segments.size();
@@ -244,7 +240,7 @@ private:
     std::vector<PosedPicture> looks;
     const Eigen::Isometry3d& T_w_c = session_[image].T_w_c;
     for (std::size_t i = 0; i < session_.size(); ++i)
-      if (trusted_[i] && !kSameLook.joins(session_[i].T_w_c, T_w_c) &&
+      if (review_.trusts(i) && !kSameLook.joins(session_[i].T_w_c, T_w_c) &&
           std::isfinite(viewDistance(session_[i].T_w_c, T_w_c, kKnownReach)))
         looks.push_back({&session_[i].view->depth, session_[i].T_w_c});
     return looks;
@@ -311,9 +307,9 @@ private:
   MapBuilderParams near_;
   MapBuilder builder_;
   MapSessionParams params_;
+  const Review& review_;  // made before any change
   DepthComparison comparison_;
   std::vector<bool> used_;     // images that become no local model any more
-  std::vector<bool> trusted_;  // images
   std::vector<char> removed_;  // local models
   std::vector<bool> fresh_;    // local models of the map that an image has replaced
   std::vector<bool> edited_;   // those that have lost surfaces
@@ -344,8 +340,9 @@ MapChanges internal::updateMap(Map& map, const std::vector<SessionImage>& sessio
                                const MapBuilderParams& builder, const MapSessionParams& params, int threads) {
   params.validate();
   if (map.store()) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
-  Update update(map, session, builder, params);
-  update.retire(Review(map, session, threads));
+  const Review review(map, session, threads);
+  Update update(map, session, builder, params, review);
+  update.retire();
   update.add();
   return update.finish();
 }
