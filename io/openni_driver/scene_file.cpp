@@ -6,7 +6,6 @@
 
 #include <facetloc/io/error.h>
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <set>
 #include <type_traits>

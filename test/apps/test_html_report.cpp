@@ -9,7 +9,6 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <cctype>
 
 namespace facetloc::test {
 namespace {

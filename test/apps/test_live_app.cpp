@@ -28,12 +28,7 @@ std::vector<std::string> liveCommand(const std::vector<std::string>& arguments, 
 
 ToolRun runLive(const std::vector<std::string>& arguments) { return LiveProcess(arguments).wait(); }
 
-std::vector<std::string> linesOf(const std::string& path) {
-  std::istringstream in(contentOf(path));
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
+std::vector<std::string> linesOf(const std::string& path) { return linesIn(contentOf(path)); }
 
 std::vector<std::string> namesIn(const std::string& folder) {
   std::vector<std::string> names;

@@ -10,7 +10,6 @@
 #include <pcl/point_types.h>
 
 #include <condition_variable>
-#include <deque>
 
 namespace facetloc::test {
 namespace {

@@ -25,13 +25,6 @@ Json::Value parsed(const std::string& line) {
   return value;
 }
 
-std::vector<std::string> linesIn(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
-
 Eigen::Isometry3d poseIn(const Json::Value& pose) {
   const auto number = [&](const char* key, int i) { return pose[key][i].asDouble(); };
   const Eigen::Quaterniond q(number("quaternion", 3), number("quaternion", 0), number("quaternion", 1),

@@ -51,13 +51,6 @@ ToolRun runRanks(int ranks, const std::vector<std::string>& command) {
   return Process(mpirun(ranks, command)).wait();
 }
 
-std::vector<fs::path> filesOf(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 /** All files but timing.csv, whose contents no two runs share, and inputs.csv, which tells where images are.
  */
 void expectSameFiles(const fs::path& folder, const fs::path& expected) {

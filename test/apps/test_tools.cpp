@@ -10,13 +10,6 @@ ToolRun runMap(const std::vector<std::string>& arguments) {
   return captured([&](const Console& console) { return runMapTool(arguments, console); });
 }
 
-std::vector<fs::path> filesOf(const std::string& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 std::unique_ptr<TemporaryFolder> Tools::room_;
 
 void Tools::SetUpTestSuite() {

@@ -4,14 +4,12 @@
 #include "cli/tools.h"
 
 #include <facetloc/testing/matchers.h>
+#include <facetloc/testing/own_folder.h>
 
-#include <cstdlib>
-#include <filesystem>
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <sstream>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace facetloc::test {
@@ -73,29 +71,14 @@ ToolRun runTool(const std::vector<std::string>& arguments) {
 }
 
 /** \brief A folder that vanishes with the test. */
-class TemporaryFolder {
+class TemporaryFolder : public OwnFolder {
 public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "facetloc_apps_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  std::string operator/(const std::string& name) const { return (path() / name).string(); }
   /** \brief A copy of another folder in it. */
   std::string copyOf(const std::string& other, const std::string& name) const {
-    std::filesystem::copy(other, path_ / name, std::filesystem::copy_options::recursive);
+    std::filesystem::copy(other, path() / name, std::filesystem::copy_options::recursive);
     return *this / name;
   }
-
-private:
-  std::filesystem::path path_;
 };
 
 /** \brief Tests that each have a folder. */
@@ -113,11 +96,23 @@ inline void writeContent(const std::filesystem::path& path, const std::string& c
   std::ofstream(path, std::ios::binary) << content;
 }
 
-inline std::string lastLine(const std::string& text) {
+inline std::vector<std::string> linesIn(const std::string& text) {
   std::istringstream in(text);
-  std::string last;
-  for (std::string line; std::getline(in, line);) last = line;
-  return last;
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+inline std::string lastLine(const std::string& text) {
+  const std::vector<std::string> lines = linesIn(text);
+  return lines.empty() ? std::string() : lines.back();
+}
+
+/** \brief Files and folders directly in a folder, sorted. */
+inline std::vector<std::filesystem::path> filesOf(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 }  // namespace facetloc::test

@@ -11,9 +11,7 @@
 #include <pcl/registration/ndt.h>
 #include <pcl/registration/sample_consensus_prerejective.h>
 
-#include <cmath>
 #include <cstdlib>
-#include <map>
 #include <memory>
 
 namespace facetloc::benchmarks {

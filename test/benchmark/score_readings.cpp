@@ -9,6 +9,7 @@
 // copies of it are made, each wrong in one way, and shown to facetloc_check: refused if it fails, named if it
 // has a note that it lacks for the recording itself, else silent. A note on the recording itself is
 // also printed, as far as it doubts how the recording is read.
+#include "../include/facetloc/testing/own_folder.h"
 #include "cli/tools.h"
 #include "programs.h"
 
@@ -24,7 +25,6 @@
 #include <functional>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -47,25 +47,6 @@ struct Recording {
 struct WrongReading {
   std::string name;
   std::function<void(Recording&)> make;
-};
-
-class TemporaryFolder {
-public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "facetloc_readings_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
-private:
-  fs::path path_;
 };
 
 Recording readRecording(const fs::path& folder) {
@@ -304,7 +285,7 @@ struct Counts {
 
 void score(const fs::path& folder, Counts& counts) {
   const Recording right = readRecording(folder);
-  const TemporaryFolder work;
+  const test::OwnFolder work;
   const fs::path path = work.path() / "walk";
   writeRecording(right, path);
   const Outcome usual = check(path);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/segment_frame.h>
+#include <facetloc/testing/own_folder.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 
@@ -7,9 +8,7 @@
 #include <pcl/io/pcd_io.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <sstream>
 
@@ -119,15 +118,13 @@ TEST_P(SegmentFramePcd, RoundTripIsExactToTheByte) {
   cloud[3].x = std::numeric_limits<float>::quiet_NaN();  // invalid frames are stored like all others
   cloud[4].sigma_q[2] = std::numeric_limits<float>::infinity();
   cloud.is_dense = false;
-  std::string folder = (std::filesystem::temp_directory_path() / "facetloc_XXXXXX").string();
-  ASSERT_TRUE(mkdtemp(folder.data()));
-  const std::string path = folder + "/frames.pcd";
+  const test::OwnFolder folder;
+  const std::string path = folder.path() / "frames.pcd";
   const bool compressed = GetParam();
   ASSERT_EQ(compressed ? pcl::io::savePCDFileBinaryCompressed(path, cloud)
                        : pcl::io::savePCDFileBinary(path, cloud),
             0);
   EXPECT_EQ(pcl::io::loadPCDFile(path, again), 0);
-  std::filesystem::remove_all(folder);
   ASSERT_EQ(again.size(), cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(std::memcmp(&again[i], &cloud[i], kBytes), 0) << i;
 }

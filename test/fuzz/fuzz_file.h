@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "../include/facetloc/testing/own_folder.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
-#include <filesystem>
-#include <stdexcept>
-#include <string>
 #include <string_view>
 
 /** \file
@@ -22,37 +20,21 @@ inline std::string_view asText(const std::uint8_t* data, std::size_t size) {
 
 /** \brief A folder for files of input, gone when the program ends. It is where $TMPDIR says, or else in
  * memory. */
-class Folder {
+class Folder : public test::OwnFolder {
 public:
-  Folder() {
-    const char* set = std::getenv("TMPDIR");
-    std::string name = std::string(set ? set : "/dev/shm") + "/facetloc_fuzz_XXXXXX";
-    if (!mkdtemp(name.data())) throw std::runtime_error(name + ": cannot be made");
-    path_ = name;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  const std::filesystem::path& path() const { return path_; }
+  Folder() : OwnFolder(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/dev/shm") {}
   /** \brief Removes the files of an earlier input, so that they cannot change the result of the next one. */
   void clear() const {
-    for (const auto& entry : std::filesystem::directory_iterator(path_))
+    for (const auto& entry : std::filesystem::directory_iterator(path()))
       std::filesystem::remove_all(entry.path());
   }
   std::filesystem::path put(const char* name, std::string_view bytes) const {
-    const std::filesystem::path file = path_ / name;
+    const std::filesystem::path file = path() / name;
     std::FILE* out = std::fopen(file.c_str(), "wb");
     if (!out || std::fwrite(bytes.data(), 1, bytes.size(), out) != bytes.size() || std::fclose(out) != 0)
       throw std::runtime_error(file.string() + ": cannot be written");
     return file;
   }
-
-private:
-  std::filesystem::path path_;
 };
 
 /** \brief Calls a function that may refuse its input with one of these exceptions; any other is a finding, as

@@ -3,38 +3,21 @@
 
 #include <facetloc/io/error.h>
 #include <facetloc/testing/matchers.h>
+#include <facetloc/testing/own_folder.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <string>
 
 namespace facetloc::test {
 
-/** \brief A folder of its own for a test, removed with all that is in it. */
-class TemporaryFolder {
+/** \brief A folder of its own for a test. */
+class TemporaryFolder : public OwnFolder {
 public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "facetloc_XXXXXX").string();
-    if (!mkdtemp(name.data())) ADD_FAILURE() << "no temporary folder";
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::filesystem::path operator/(const std::string& name) const { return path() / name; }
   /** \brief The number of files and folders directly in it. */
   int count() const {
-    return static_cast<int>(std::distance(std::filesystem::directory_iterator(path_), {}));
+    return static_cast<int>(std::distance(std::filesystem::directory_iterator(path()), {}));
   }
-
-private:
-  std::filesystem::path path_;
 };
 
 /** \brief Tests that each have a folder. */

@@ -22,7 +22,6 @@ constexpr double kUpsideDown = 180;   ///< [deg] of its roll and pan, either way
 
 inline bool isPosition(const Eigen::Vector3d& t) { return t.cwiseAbs().maxCoeff() <= kFarthest; }
 inline bool isStamp(double stamp) { return std::abs(stamp) <= kLatest; }
-inline bool isProbability(double p) { return p >= 0 && p <= 1; }
 
 /** \brief Positive definite, and no smaller in any direction than a sensor can make it. */
 template <typename Matrix>

@@ -342,11 +342,8 @@ bool ColumnName::isStamp() const {
 }
 
 double ColumnName::seconds() const {
-  const auto says = [this](const char* the_unit) {
-    const std::string ending = std::string("_") + the_unit;
-    const bool ends =
-        word.size() > ending.size() && word.compare(word.size() - ending.size(), ending.size(), ending) == 0;
-    return unit == the_unit || ends;
+  const auto says = [this](const std::string& the_unit) {
+    return unit == the_unit || (word.size() > the_unit.size() + 1 && endsWith(word, "_" + the_unit));
   };
   if (says("ns") || says("nsec")) return kNanoseconds;
   if (says("us") || says("usec")) return kMicroseconds;

@@ -7,7 +7,6 @@
 #include <facetloc/features/pose.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace facetloc::internal {

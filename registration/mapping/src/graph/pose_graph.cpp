@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <numeric>
 #include <stdexcept>
-#include <string>
 
 namespace facetloc::internal {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <fmt/core.h>
 #include <optional>
 #include <stdexcept>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/ray_caster.h"
 
-#include <cmath>
 #include <limits>
 #include <new>
 #include <stdexcept>
