@@ -64,7 +64,7 @@ references() {
       pattern["section"] = "([a-z]+/)?METHOD (eqs?[.] |sections? )?" number "((" more ")+[]).,:;`])?"
       pattern["equation"] = "[Ee]qs?[.] " number "(" more ")* of ([a-z]+/)?METHOD"
       pattern["linked"] = "METHOD([.]md)?\\]\\([a-z.\/]*METHOD[.]md\\)(, section)? " number
-      pattern["document"] = "METHOD[_]MEASURED|DESIGN [0-9]|(DESIGN|ROOMS|STYLE)[.]md|[P]LATFORM|[F]INDINGS"
+      pattern["document"] = "METHOD[_]MEASURED|DESIGN [0-9]|(DESIGN|ROOMS|STYLE)[.]md|[P]LATFORM|[F]INDINGS [0-9]"
     }
     NR == FNR { exists[$0]; next }
     FNR == 1 {

@@ -3,6 +3,7 @@
 
 #include "batch/batch.h"
 #include "batch/ranks.h"
+#include "cli/findings_file.h"
 #include "cli/heartbeat.h"
 #include "cli/text.h"
 
@@ -23,6 +24,15 @@ void Console::print(const std::string& text) const { writeAtOnce(out, text); }
 
 void Console::note(const std::string& text) const {
   if (!quiet) error(text);
+}
+
+void Console::find(const Finding& finding) const {
+  keep(finding);
+  note(finding.text());
+}
+
+void Console::keep(const Finding& finding) const {
+  if (findings) findings->push_back(finding);
 }
 
 void Console::error(const std::string& what) const {
@@ -89,13 +99,24 @@ int App::executeUntilStopped(const CommandLine& line, const Console& console) tr
 int App::parseAndExecute(const std::vector<std::string>& arguments, Console& console) {
   CommandLine line(name_, synopsis_, about_);
   addOptions(line);
-  line.addGeneralOptions(threads_, console.quiet);
+  line.addGeneralOptions(threads_, console.quiet, findings_);
   int code = kOk;
+  Findings found;
+  if (!console.findings) console.findings = &found;
   if (line.parse(arguments, console.out)) {
     if (Ranks::here().size() > 1 && !dealsOut())
       throw UsageError("works in one process like this: start it without mpirun");
     console.quiet = console.quiet || !Ranks::here().isFirst();
-    code = executeWatched(line, console);
+    const auto write = [&] {
+      if (!findings_.empty() && Ranks::here().isFirst()) writeFindings(findings_, *console.findings);
+    };
+    try {
+      code = executeWatched(line, console);
+    } catch (...) {
+      write();
+      throw;
+    }
+    write();
   }
   console.out.flush();
   if (!console.out) throw std::runtime_error("the output cannot be written");

@@ -3,6 +3,8 @@
 
 #include "cli/command_line.h"
 
+#include <facetloc/features/finding.h>
+
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -20,12 +22,17 @@ struct Console {
   bool terminal = false;  ///< err is watched by a person, so that a progress line makes sense
   bool quiet = false;     ///< no progress and no remarks
   std::string tool;
-  bool watched = false;  ///< a Heartbeat shows that work goes on
+  bool watched = false;          ///< a Heartbeat shows that work goes on
+  Findings* findings = nullptr;  ///< the tool's list, which outlives this
 
   /** \brief Results on out. */
   void print(const std::string& text) const;
   /** \brief A remark on err, unless quiet. */
   void note(const std::string& text) const;
+  /** \brief Keeps a finding in the list, and remarks it on err, unless quiet. */
+  void find(const Finding& finding) const;
+  /** \brief Keeps it, for who shows it. */
+  void keep(const Finding& finding) const;
   /** \brief Writes "facetloc_x: MESSAGE" to err, also if quiet. */
   void error(const std::string& what) const;
   /** \brief A line on err in the place of the one that was shown before; empty = none. */
@@ -71,6 +78,7 @@ private:
   std::string name_;
   std::string synopsis_;
   std::string about_;
+  std::string findings_;  // file
   int threads_ = 0;
 };
 

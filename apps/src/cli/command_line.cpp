@@ -92,9 +92,11 @@ CommandLine::~CommandLine() = default;
 
 CommandLine::Options& CommandLine::common() { return rare_ ? declared_->rare : declared_->common; }
 
-void CommandLine::addGeneralOptions(int& threads, bool& quiet) {
+void CommandLine::addGeneralOptions(int& threads, bool& quiet, std::string& findings) {
   add(declared_->general, "threads", bound(threads, "N"), "Threads; 0 = all cores.");
   add(declared_->general, "quiet,q", po::bool_switch(&quiet), "No progress and no remarks.", Needs::Nothing);
+  add(declared_->general, "findings", bound(findings, "FILE"),
+      "Write what was found about the input, as JSON (FINDINGS.md).");
   checks_.push_back([&threads] {
     if (threads < 0) throw UsageError(fmt::format("threads = {} is negative", threads));
   });

@@ -88,7 +88,7 @@ public:
   bool parse(const std::vector<std::string>& arguments, std::ostream& out);
 
   /** \brief The options of every tool beside --help, --version and --params. */
-  void addGeneralOptions(int& threads, bool& quiet);
+  void addGeneralOptions(int& threads, bool& quiet, std::string& findings);
 
   /** \brief True if the option was given, be it on the command line or in the file of --params. */
   bool given(const std::string& name) const;

@@ -108,7 +108,7 @@ Heartbeat::Heartbeat(const Console& console, const std::string& what)
 Heartbeat::~Heartbeat() = default;
 
 Console Heartbeat::console(std::ostream& out) const {
-  return {out, *err_, console_.terminal, console_.quiet, console_.tool, true};
+  return {out, *err_, console_.terminal, console_.quiet, console_.tool, true, console_.findings};
 }
 
 Console Heartbeat::console() const { return console(*out_); }

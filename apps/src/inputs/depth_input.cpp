@@ -6,6 +6,7 @@
 #include "outputs/provenance.h"
 
 #include <facetloc/features/camera_presets.h>
+#include <facetloc/io/depth_values.h>
 #include <facetloc/io/map_database.h>
 
 #include <cmath>
@@ -72,11 +73,12 @@ Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLi
 
 DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console) {
   DepthSequence sequence = DepthSequence::open(path, hints);
-  for (const std::string& remark : sequence.remarks()) console.note(remark);
+  for (const Finding& finding : readingFindings(sequence)) console.find(finding);
   if (sequence.ofSegments())
-    console.note(path +
-                 " holds segments without depth: only planes are compared, and more of the sure answers "
-                 "are wrong than with images");
+    console.find({"reading.segments", Severity::note,
+                  path + " holds segments without depth: only planes are compared, and more of the sure "
+                         "answers are wrong than with images",
+                  ""});
   return sequence;
 }
 
@@ -94,14 +96,15 @@ View viewOf(const DepthSequence& sequence, std::size_t index, int working_width,
 void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
   const auto state = map.meta.find(kStateKey);
   if (state != map.meta.end() && state->second == kUnderWay)
-    console.note(fmt::format("{}: its build has not ended, or was interrupted: it has {} so far; "
-                             "facetloc_map build --resume goes on",
-                             path, counted(map.models.size(), "local model")));
+    console.find({"map.unfinished", Severity::doubt,
+                  fmt::format("{}: its build has not ended, or was interrupted: it has {} so far", path,
+                              counted(map.models.size(), "local model")),
+                  "facetloc_map build --resume goes on"});
 }
 
 void noteDifference(const Camera& of_images, const Map& map, const Console& console) {
   for (const std::string& words : toString(differenceOf(of_images, map.camera), of_images, map.camera))
-    console.note(words);
+    console.find({"camera.difference", Severity::note, words, ""});
 }
 
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console) {
@@ -110,17 +113,17 @@ void noteNoise(std::vector<double> found, const SensorNoise& specified, const Co
   const double expected = specified.ofInverseDepth(DepthNoise::kUsualDepth);
   if (!(median > kMuch * expected)) return;
   const std::string numbers = fmt::format("{:.2g}, not {:.2g}", median, expected);
-  console.note(fmt::format(
-      "the images are noisier than their camera's specification: {} {}; fewer answers are sure",
-      specified.isConstantInInverseDepth()
-          ? std::string("inverse_depth_std is about")
-          : fmt::format("at {:.0f} m, the noise of inverse depth [1/m] is about", DepthNoise::kUsualDepth),
-      numbers));
-}
-
-std::string adviceOnPoses(const PoseCheck& check) {
-  if (check.convention.empty()) return {};
-  return "; --poses-are " + check.convention + " reads them so";
+  console.find({"camera.noise",
+                Severity::doubt,
+                fmt::format("the images are noisier than their camera's specification: {} {}; fewer answers "
+                            "are sure",
+                            specified.isConstantInInverseDepth()
+                                ? std::string("inverse_depth_std is about")
+                                : fmt::format("at {:.0f} m, the noise of inverse depth [1/m] is about",
+                                              DepthNoise::kUsualDepth),
+                            numbers),
+                "",
+                {{"inverse_depth_std", median}, {"specified", expected}}});
 }
 
 void addPoseTolerance(CommandLine& line, double& seconds) {
@@ -134,7 +137,7 @@ Trajectory givenPoses(const DepthSequence& sequence, const std::string& file, co
   if (file.empty()) return sequence.groundTruth();
   std::string remark;
   Trajectory poses = sequence.readPoses(file, &remark);
-  if (!remark.empty()) console.note(remark);
+  if (!remark.empty()) console.find({"reading.poses", Severity::note, remark, ""});
   return poses;
 }
 

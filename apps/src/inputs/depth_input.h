@@ -32,8 +32,8 @@ void addRecordingOptions(CommandLine& line, RecordingHints& recording);
 /** \brief One of them, for tools that read poses and no images. */
 void addTimeOffset(CommandLine& line, double& seconds);
 
-/** \brief The images at a path, or with RecordingHints::segments their segments, with a remark where
- * there is one. Throws IoError. */
+/** \brief The images at a path, or with RecordingHints::segments their segments, with the findings of
+ * reading them. Throws IoError. */
 DepthSequence openSequence(const std::string& path, const RecordingHints& hints, const Console& console);
 
 /** \brief The view of an image of a sequence: built from its depth, or read from its file of segments and
@@ -50,9 +50,6 @@ void noteDifference(const Camera& of_images, const Map& map, const Console& cons
 /** \brief A remark if images are much noisier than their camera's specification.
  * \param found noise of inverse depth of each image at the usual depth [1/m], 0 where it is not known */
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console);
-
-/** \brief "; --poses-are wxyz reads them so" if the poses are written in that order, else empty. */
-std::string adviceOnPoses(const PoseCheck& check);
 
 /** \brief The option of tools that match images with poses. */
 void addPoseTolerance(CommandLine& line, double& seconds);

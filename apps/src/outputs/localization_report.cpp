@@ -122,32 +122,50 @@ double medianOfKnown(std::vector<double> values) {
   return internal::median(values.begin(), values.end());
 }
 
-std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views,
-                                      const Map& map) {
+Findings whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views, const Map& map) {
   constexpr double kOtherOptics = 1.05, kOtherScale = 1.4;  // ratios that are hardly chance
   if (counts.all() < kEnoughImages || counts.sure >= kHardlyAny * counts.all()) return {};
   const std::vector<ViewTraits> models = traitsOf(map);
   const Comparison fov(views, models, &ViewTraits::fov), depth(views, models, &ViewTraits::depth);
-  const std::string optics =
-      fmt::format("Do fx and fy fit the images? Their field of view is {}.", fov.toString(0, " deg"));
-  const std::string scale =
-      fmt::format("Does depth_scale fit the images? Their median depth is {}.", depth.toString(2, " m"));
-  std::vector<std::string> hints = {"Hardly any image is sure. Check the following:"};
-  if (fov.ratio() > kOtherOptics) hints.push_back(optics);
-  if (depth.ratio() > kOtherScale) hints.push_back(scale);
+  const bool other_optics = fov.ratio() > kOtherOptics, other_scale = depth.ratio() > kOtherScale;
+  const Finding optics{
+      "localize.optics",
+      other_optics ? Severity::doubt : Severity::note,
+      fmt::format("Do fx and fy fit the images? Their field of view is {}.", fov.toString(0, " deg")),
+      "",
+      {{"fov_deg", fov.of_images}, {"map_fov_deg", fov.of_map}}};
+  const Finding scale{
+      "localize.scale",
+      other_scale ? Severity::doubt : Severity::note,
+      fmt::format("Does depth_scale fit the images? Their median depth is {}.", depth.toString(2, " m")),
+      "",
+      {{"depth_m", depth.of_images}, {"map_depth_m", depth.of_map}}};
+  Findings hints = {
+      {"localize.hardly_sure",
+       Severity::note,
+       "Hardly any image is sure. Check the following:",
+       "",
+       {{"sure", static_cast<double>(counts.sure)}, {"images", static_cast<double>(counts.all())}}}};
+  if (other_optics) hints.push_back(optics);
+  if (other_scale) hints.push_back(scale);
   if (map.parts.size() > 1)
-    hints.push_back(fmt::format(
-        "Do links join the local models of the map? It is in {} parts, and a place that two of them show may "
-        "be either.",
-        map.parts.size()));
-  hints.push_back("Is it the map of this place?");
-  hints.push_back("Is the camera turned about its optical axis against the map's, upright or upside down? "
-                  "camera.ini tells "
-                  "its mounting (mount_roll_deg), and --prior.rotation_std_deg 90 searches all attitudes.");
-  if (fov.isKnown() && fov.ratio() <= kOtherOptics) hints.push_back(optics);
-  if (depth.isKnown() && depth.ratio() <= kOtherScale) hints.push_back(scale);
-  hints.push_back("Does the noise of camera.ini fit the camera, and does the map hold views of the same "
-                  "directions? facetloc_segment --overlay and facetloc_render show what is seen.");
+    hints.push_back({"localize.parts", Severity::note,
+                     fmt::format("Do links join the local models of the map? It is in {} parts, and a place "
+                                 "that two of them show may be either.",
+                                 map.parts.size()),
+                     ""});
+  hints.push_back({"localize.place", Severity::note, "Is it the map of this place?", ""});
+  hints.push_back({"localize.turned", Severity::note,
+                   "Is the camera turned about its optical axis against the map's, upright or upside down? "
+                   "camera.ini tells its mounting (mount_roll_deg), and --prior.rotation_std_deg 90 searches "
+                   "all attitudes.",
+                   ""});
+  if (fov.isKnown() && !other_optics) hints.push_back(optics);
+  if (depth.isKnown() && !other_scale) hints.push_back(scale);
+  hints.push_back({"localize.noise", Severity::note,
+                   "Does the noise of camera.ini fit the camera, and does the map hold views of the same "
+                   "directions? facetloc_segment --overlay and facetloc_render show what is seen.",
+                   ""});
   return hints;
 }
 

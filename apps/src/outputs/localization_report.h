@@ -4,6 +4,7 @@
 #include "batch/bytes.h"
 #include "cli/command_line.h"
 
+#include <facetloc/features/finding.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>
@@ -39,8 +40,7 @@ double medianOfKnown(std::vector<double> values);
 
 /** \brief If hardly any answer is sure, things to check: sentences that begin with the likeliest cause. Else
  * empty. \param views of the images, as far as they are known */
-std::vector<std::string> whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views,
-                                      const Map& map);
+Findings whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views, const Map& map);
 
 /** \brief The ranked poses as a table for people. */
 void printPoses(std::ostream& out, const std::vector<ResultRow>& rows);

@@ -32,7 +32,6 @@ constexpr double kLeastMedian = 0.25, kMostMedian = 12;  // median depth in room
 constexpr double kFewMeasured = 0.4;                     // share of the pixels
 constexpr int kFewSegments = 4;                          // segments per image
 constexpr double kLongGap = 1;                           // between images [s]
-constexpr double kLeastPosed = 0.5;                      // share of the images
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 std::string metres(double m) { return fmt::format("{:.2f} m", m); }
@@ -43,6 +42,9 @@ double quantile(std::vector<float>& values, double q) {
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
+
+bool inDoubt(const Findings& findings) { return firstOf(findings, Severity::doubt) != nullptr; }
+bool isRefused(const Findings& findings) { return firstOf(findings, Severity::refusal) != nullptr; }
 
 void line(const Console& console, const std::string& title, const std::string& words) {
   constexpr std::size_t kTitleWidth = 10;
@@ -100,20 +102,6 @@ private:
     View view;
   };
 
-  /** Faults and missing items. */
-  struct Findings {
-    std::vector<std::string> notes;  // sentences, printed in this order
-    bool in_doubt = false;           // the images, or their poses: nothing is to be derived from them
-    bool impossible = false;         // the recording cannot be right as it is read
-
-    void add(std::string note) { notes.push_back(std::move(note)); }
-    void doubt(std::string note, bool is_impossible) {
-      add(std::move(note));
-      in_doubt = true;
-      impossible = impossible || is_impossible;
-    }
-  };
-
   void addOptions(CommandLine& line) override {
     line.addArgument("RECORDING", input_);
     line.addOption("poses", poses_, "FILE", "Check these poses instead of those of the RECORDING.");
@@ -125,7 +113,7 @@ private:
   }
 
   void reportImages(const DepthSequence& sequence, const std::vector<ImageReport>& images,
-                    const Console& console, Findings& findings) const {
+                    const Console& console, Findings& found) const {
     const auto& frames = sequence.frames();
     line(console, "recording", fmt::format("{}, {}", counted(frames.size(), "image"), sequence.layout()));
     if (sequence.stamped() && frames.size() > 1) {
@@ -136,12 +124,17 @@ private:
            fmt::format("{:.3f} to {:.3f} s, {:.3g} images per second, longest gap {:.3g} s",
                        frames.front().stamp, frames.back().stamp, 1 / usual, longest));
       if (longest > kLongGap)
-        findings.add(fmt::format(
-            "between some images there are more than {:.2g} s: without poses, a trajectory may break there",
-            kLongGap));
+        found.push_back({"times.gap",
+                         Severity::note,
+                         fmt::format("between some images there are more than {:.2g} s: without poses, a "
+                                     "trajectory may break there",
+                                     kLongGap),
+                         "",
+                         {{"longest_s", longest}}});
     } else if (!sequence.stamped()) {
-      findings.add("the images have no times, so that poses cannot be matched with them; name them by their "
-                   "times in seconds, or add a depth.txt");
+      found.push_back({"times.none", Severity::note,
+                       "the images have no times, so that poses cannot be matched with them",
+                       "name them by their times in seconds, or add a depth.txt"});
     }
     std::vector<float> depth;
     double measured = 0, segments = 0;
@@ -156,7 +149,8 @@ private:
     measured /= static_cast<double>(n), segments /= static_cast<double>(n);
     if (depth.empty()) {
       line(console, "depth", "nothing is measured");
-      findings.add("no pixel is measured: look at the images, and at depth_scale");
+      found.push_back({"depth.none", Severity::refusal, "no pixel is measured",
+                       "look at the images, and at depth_scale"});
       return;
     }
     const double median = quantile(depth, 0.5);
@@ -165,23 +159,32 @@ private:
                      percent(measured), metres(quantile(depth, 0.01)), metres(quantile(depth, 0.99)),
                      metres(median)));
     const CameraPreset* preset = sequence.camera() ? findCameraPreset(sequence.camera()->preset) : nullptr;
-    if (!findings.in_doubt && (median < kLeastMedian || median > kMostMedian))
-      findings.doubt(fmt::format("half of the depths are {} {}, as no room has it: is depth_scale right? "
-                                 "(--depth-scale tries another one)",
-                                 median < kLeastMedian ? "below" : "above", metres(median)),
-                     false);
+    const auto scale = [&](const std::string& words) {
+      found.push_back(
+          {"values.scale",
+           Severity::doubt,
+           "half of the depths are " + words + ": is depth_scale right? (--depth-scale tries another one)",
+           "",
+           {{"median_depth", median}}});
+    };
+    if (!inDoubt(found) && (median < kLeastMedian || median > kMostMedian))
+      scale(
+          fmt::format("{} {}, as no room has it", median < kLeastMedian ? "below" : "above", metres(median)));
     else if (preset && median < preset->min_depth)
-      findings.doubt(
-          fmt::format("half of the depths are below {}, nearer than a {} measures: is depth_scale right? "
-                      "(--depth-scale tries another one)",
-                      metres(median), preset->name),
-          false);
+      scale(fmt::format("below {}, nearer than a {} measures", metres(median), preset->name));
     else if (measured < kFewMeasured)
-      findings.add(
-          "most of the image is not measured: the scene is too far or too dark for the camera, or 0 is "
-          "not its only mark for that");
+      found.push_back({"depth.few",
+                       Severity::note,
+                       "most of the image is not measured",
+                       "the scene is too far or too dark for the camera, or 0 is not its only mark for that",
+                       {{"share_measured", measured}}});
     line(console, "planes", fmt::format("{:.1f} segments in an image", segments));
-    if (segments < kFewSegments) findings.add("the images show few planes: such places are easily confused");
+    if (segments < kFewSegments)
+      found.push_back({"planes.few",
+                       Severity::note,
+                       "the images show few planes: such places are easily confused",
+                       "",
+                       {{"segments", segments}}});
   }
 
   void reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
@@ -201,28 +204,20 @@ private:
     if (!words.empty()) line(console, "", words);
   }
 
-  void reportValues(const DepthSequence& sequence, Findings& findings) const {
-    if (!sequence.camera()) return;
-    const ValueCheck check = checkValues(depthValues(sequence), sequence.camera()->depth_scale);
-    for (const std::string& fault : check.faults) findings.doubt(fault, check.impossible);
-    const std::string of_optics = opticsFault(sequence.camera()->camera.intrinsics);
-    if (!of_optics.empty()) findings.doubt(of_optics, true);
-  }
-
   void reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
-                      Findings& findings) const {
-    if (findings.impossible || !canBeReadAgain(sequence)) return;
+                      Findings& found) const {
+    if (isRefused(found) || !canBeReadAgain(sequence)) return;
     making.checkGeometry();
     const GeometryCheck& check = *making.findings().geometry;
-    for (const ReadingFault& fault : check.faults) findings.doubt(fault.words, fault.impossible);
+    append(making.findings().list(), found);
     if (check.surfaces > 0)
       line(console, "surfaces",
            fmt::format("{} in {} are flat{}", counted(check.surfaces, "large one"),
-                       counted(check.images, "image"), check.faults.empty() ? "" : ", but see below"));
+                       counted(check.images, "image"), check.findings.empty() ? "" : ", but see below"));
   }
 
-  void reportNoise(std::vector<ImageReport>& images, const Console& console, const Findings& findings) const {
-    if (findings.in_doubt) return line(console, "noise", "not known while the images are in doubt");
+  void reportNoise(std::vector<ImageReport>& images, const Console& console, const Findings& found) const {
+    if (inDoubt(found)) return line(console, "noise", "not known while the images are in doubt");
     std::vector<NoiseSample> samples;
     for (const ImageReport& image : images)
       samples.insert(samples.end(), image.noise.begin(), image.noise.end());
@@ -233,7 +228,7 @@ private:
   }
 
   void reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
-                   const Console& console, Findings& findings) const {
+                   const Console& console, Findings& found) const {
     Map map;
     for (ImageReport& image : images) {
       if (!image.is_read) continue;
@@ -247,28 +242,36 @@ private:
              "{} below the camera (spread {:.0f} mm), which is tilted by {} and rolled by {}; in {} of {}",
              metres(floor->height), 1000 * floor->height_std, degrees(floor->tilt_deg),
              degrees(floor->roll_deg), floor->views, counted(floor->all_views, "image")));
-    if (!floor->steady || findings.in_doubt) return;
-    const CameraMounting found = floor->mounting();
+    if (!floor->steady || inDoubt(found)) return;
+    const CameraMounting seen = floor->mounting();
     std::string lines =
-        fmt::format("mount_height={:.3f} mount_tilt_deg={}", found.height, text::decimals(found.tilt_deg, 1));
-    if (found.roll_deg != 0) lines += fmt::format(" mount_roll_deg={:.1f}", found.roll_deg);
-    if (camera.mounting && !camera.mounting->agreesWith(found))
-      findings.add("the camera is not mounted as camera.ini says: the floor shows " + lines);
+        fmt::format("mount_height={:.3f} mount_tilt_deg={}", seen.height, text::decimals(seen.tilt_deg, 1));
+    if (seen.roll_deg != 0) lines += fmt::format(" mount_roll_deg={:.1f}", seen.roll_deg);
+    const std::vector<Evidence> evidence = {{"height_m", floor->height, floor->height_std},
+                                            {"tilt_deg", floor->tilt_deg},
+                                            {"roll_deg", floor->roll_deg}};
+    if (camera.mounting && !camera.mounting->agreesWith(seen))
+      found.push_back({"camera.mounting", Severity::note,
+                       "the camera is not mounted as camera.ini says: the floor shows " + lines, "",
+                       evidence});
     else if (!camera.mounting && hasDrivenOnFloor(poses, *floor))
-      findings.add("the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines);
+      found.push_back(
+          {"camera.robot", Severity::note,
+           "the camera seems to be mounted on a robot, which helps much; for camera.ini: " + lines, "",
+           evidence});
   }
 
   /** Empty if there are none, or none that can be read. */
-  Trajectory posesOf(const DepthSequence& sequence, const Console& console, Findings& findings) const {
+  Trajectory posesOf(const DepthSequence& sequence, const Console& console, Findings& found) const {
     try {
       std::string remark;
       Trajectory poses = poses_.empty() ? sequence.groundTruth() : sequence.readPoses(poses_, &remark);
-      if (!remark.empty()) findings.add(remark);
+      if (!remark.empty()) found.push_back({"reading.remark", Severity::note, remark, ""});
       if (!poses.empty()) return poses;
       line(console, "poses", "none");
     } catch (const IoError& e) {
       line(console, "poses", "cannot be read");
-      findings.add(e.what());
+      found.push_back({"poses.unreadable", Severity::note, e.what(), ""});
     }
     return {};
   }
@@ -285,30 +288,25 @@ private:
   }
 
   void reportPoses(const DepthSequence& sequence, const Trajectory& poses, MapMaking& making,
-                   const Console& console, Findings& findings) const {
+                   const Console& console, Findings& found) const {
     const std::size_t all = sequence.frames().size();
     std::size_t posed = 0;
     for (std::size_t i = 0; i < all; ++i) posed += making.pose(i).has_value();
     line(console, "poses",
          fmt::format("{} from {:.3f} to {:.3f} s; {} of {} have one", poses.poses().size(),
                      poses.poses().front().stamp, poses.poses().back().stamp, counted(posed, "image"), all));
-    if (static_cast<double>(posed) < kLeastPosed * static_cast<double>(all))
-      findings.add(fmt::format(
-          "most images have no pose within {:.9g} s: do both clocks show the same time (--time-offset)? Is "
-          "--pose-tolerance too small?",
-          pose_tolerance_));
-    if (posed == 0 || findings.impossible) return;
+    if (isRefused(found)) return;
+    const std::size_t known = making.findings().list().size();
     if (canBeReadAgain(sequence)) making.checkPoses();
+    Findings of_poses = making.findings().list();
+    of_poses.erase(of_poses.begin(), of_poses.begin() + static_cast<std::ptrdiff_t>(known));
+    append(std::move(of_poses), found);
+    if (posed == 0) return;
     const PoseCheck check = making.findings().poses.value_or(PoseCheck());
     if (check.isKnown()) {
       line(console, "",
            "they disagree with the motions that the images show by " + check.as_given.toString());
       for (const std::string& words : check.ratiosInWords()) line(console, "", words);
-      if (!check.cause.empty()) findings.doubt(check.cause + adviceOnPoses(check), false);
-      if (check.isBeyondSense())
-        findings.doubt(
-            "no map can be made with these poses: --without-poses lets facetloc_map build find its own",
-            true);
     }
     line(console, "map",
          fmt::format("facetloc_map build will make about {} with these poses",
@@ -345,25 +343,25 @@ private:
     if (std::none_of(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; }))
       throw IoError(input_, "none of its images can be read");
 
-    Findings findings;
-    for (const std::string& remark : sequence.remarks()) findings.add(remark);
-    reportValues(sequence, findings);
-    reportImages(sequence, images, console, findings);
+    Findings found = readingFindings(sequence);
+    reportImages(sequence, images, console, found);
     reportCamera(sequence, images, console);
-    const Trajectory poses = posesOf(sequence, console, findings);
+    const Trajectory poses = posesOf(sequence, console, found);
     MapMaking making = makingOf(sequence, camera, poses);
     MapWatch watch(console);
     making.setProgress(watch.callback());
-    reportSurfaces(sequence, making, console, findings);
+    reportSurfaces(sequence, making, console, found);
     if (poses.empty())
       line(console, "map", "facetloc_map build will find the trajectory from the images");
     else
-      reportPoses(sequence, poses, making, console, findings);
-    reportFloor(images, camera, poses, console, findings);
-    reportNoise(images, console, findings);
-    for (std::size_t i = 0; i < findings.notes.size(); ++i)
-      console.out << (i == 0 ? "note\n" : "") << "- " << findings.notes[i] << "\n";
-    if (findings.impossible) {
+      reportPoses(sequence, poses, making, console, found);
+    reportFloor(images, camera, poses, console, found);
+    reportNoise(images, console, found);
+    for (const Finding& finding : found) {
+      console.out << (&finding == &found.front() ? "note\n" : "") << "- " << finding.text() << "\n";
+      console.keep(finding);
+    }
+    if (isRefused(found)) {
       console.out << "the recording cannot be right as it is read; facetloc_map build refuses it\n";
       return kFailed;
     }

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "batch/batch.h"
 #include "batch/shared_batch.h"
+#include "cli/findings_file.h"
 #include "cli/milliseconds.h"
 #include "cli/progress.h"
 #include "cli/stop_signal.h"
@@ -361,7 +362,11 @@ private:
       milliseconds += result.timing.sum();
     }
     std::string words;
-    for (const std::string& hint : whatToLookAt(states, run.views, map)) words += hint + "\n";
+    for (const Finding& hint : whatToLookAt(states, run.views, map)) {
+      console.keep(hint);
+      words += hint.text() + "\n";
+    }
+    writeFindings(fs::path(folder_) / kFindingsFile, *console.findings);
     console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread; results in {}\n", words,
                               toString(states), is_sequence_ ? firstSure(run.results) : "",
                               milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), folder_));

@@ -10,8 +10,8 @@
 #include "outputs/map_completion.h"
 #include "outputs/provenance.h"
 #include "tools/image_trajectory.h"
-#include "tools/map_build_checks.h"
 
+#include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/output_lock.h>
@@ -93,16 +93,29 @@ private:
     return making;
   }
 
+  /** Shows findings from a number on. Throws IoError if no map is to be made. */
+  void judge(const Findings& findings, const Console& console, std::size_t first = 0) const {
+    for (std::size_t i = first; i < findings.size(); ++i) {
+      const Finding& finding = findings[i];
+      if (finding.severity == Severity::refusal && !force_) {
+        console.keep(finding);
+        throw IoError(sequence_, fmt::format("cannot be right as it is read: {}; --force builds the map "
+                                             "nevertheless",
+                                             finding.text()));
+      }
+      console.find(finding);
+    }
+  }
+
   /** \return kFailed if images could not be read. */
-  int findTrajectory(const MapBuildChecks& checks, MapMaking& making) const {
-    const DepthSequence& sequence = checks.sequence;
-    const Console& console = checks.console;
+  int findTrajectory(const DepthSequence& sequence, MapMaking& making, const Console& console) const {
     if (!given_.empty() || every_ > 0 || !poses_.empty()) return kOk;
     console.note("no poses are given: the trajectory is found from the images");
     making.setOdometry(by_images_.odometry(sequence, making.camera(), console));
     making.findTrajectory();
     const int code = by_images_.report(making.findings(), sequence, console);
-    checks.noteTrajectory(*making.findings().trajectory);
+    const CameraTrajectory& found = *making.findings().trajectory;
+    console.out << "trajectory: " << toString(found) << "; " << found.overlaps.toString() << "\n";
     return code;
   }
 
@@ -176,10 +189,8 @@ private:
 
   /** \param path of the map until it is whole. \return the exit code. Throws IoError, and
    * leaves no map, if there would be nothing in it. */
-  int build(const fs::path& path, const MapBuildChecks& checks, const std::vector<MapPlace>& places,
-            MapMaking& making, ModelBatch& batch) const {
-    const DepthSequence& sequence = checks.sequence;
-    const Console& console = checks.console;
+  int build(const fs::path& path, const DepthSequence& sequence, const std::vector<MapPlace>& places,
+            MapMaking& making, ModelBatch& batch, const Console& console) const {
     const std::string parameters =
         cameraLine(sequence.camera()) + fmt::format("every = {}\nraw-depth = {:d}\n", every_, raw_depth_) +
         gravity_.toIni() + toIni(input_, making.camera()) + toIni(builder_, "map") +
@@ -192,11 +203,11 @@ private:
     const bool begins = file.modelNames().empty();
     Seen seen;
     int code = kOk;
+    const std::size_t known = making.findings().list().size();
     const bool made = making.finish(file, [&](const std::vector<MapPlace>& of_map) {
-      if (begins && !raw_depth_) checks.noteDistortion(making.findings());
+      if (begins) judge(making.findings().list(), console, known);
       const std::vector<int> models = addModels(sequence, of_map, making.camera(), batch, file, seen);
       code = batch.report();
-      checks.noteWithoutPose(making);
       if (seen.without_segments > 0)
         console.note(counted(seen.without_segments, "image") + " without segments left out");
       noteNoise(seen.noise, making.camera().noise, console);
@@ -217,7 +228,7 @@ private:
     if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
     if (every_ < 0) throw UsageError("every must not be negative");
     if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
-    const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
+    const DepthSequence sequence = DepthSequence::open(sequence_, input_.recording);
     const Camera camera = input_.camera(sequence.camera(), line);
     gravity_.read(sequence, console);
     ModelBatch batch(threads(), console, [this, &sequence, camera](const ModelsOrder& order, int workers) {
@@ -225,21 +236,27 @@ private:
     });
     if (batch.helped()) return kOk;
     MapMaking making = makingOf(sequence, camera, console);
-    const MapBuildChecks checks{sequence, given_, console, sequence_, poses_, pose_tolerance_, force_};
     MapWatch watch(console);
     making.setProgress(watch.callback());
     const OutputLock lock = OutputLock::ofFile(map_);
     const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
-    if (!goes_on) checks.checkReading(making);
-    int code = findTrajectory(checks, making);
-    writeTrajectory(sequence, making);
-    if (!goes_on) {
-      disagreement_ = checks.checkPoses(making);
-      if (disagreement_.empty()) checks.requireMostPosed(making);
+    force_ = force_ || goes_on;  // it was judged when it was begun
+    judge(readingFindings(sequence), console);
+    const bool is_checked = !goes_on && canBeReadAgain(sequence);
+    if (is_checked) {
+      making.checkGeometry();
+      judge(making.findings().list(), console);
     }
+    const std::size_t of_geometry = making.findings().list().size();
+    int code = findTrajectory(sequence, making, console);
+    writeTrajectory(sequence, making);
+    if (is_checked && !given_.empty() && sequence.stamped()) making.checkPoses();
+    if (!goes_on) judge(making.findings().list(), console, of_geometry);
+    if (const auto& check = making.findings().poses; check && check->isKnown())
+      disagreement_ = check->as_given.toString();
     const std::vector<MapPlace> places = placesOf(sequence, making);
     const auto buildAt = [&](const fs::path& path) {
-      code = std::max(code, build(path, checks, places, making, batch));
+      code = std::max(code, build(path, sequence, places, making, batch, console));
     };
     if (overwrite_ && isThere(map_)) {
       openMap(map_);  // throws for a file that is no map, which is left alone

@@ -94,20 +94,26 @@ bool haveSwappedBytes(const DepthValues& values) {
   return values.neighbours >= kLeast && kSmoother * values.neighbours_swapped < values.neighbours;
 }
 
-/** The fault revealed by the largest common divisor; empty if it is usual. */
-std::string divisorFault(const DepthValues& values, double depth_scale) {
+/** The fault revealed by the largest common divisor; nothing if it is usual. */
+std::optional<Finding> divisorFinding(const DepthValues& values, double depth_scale, Severity severity) {
   constexpr double kCoarse = 0.0015;  // [m] devices have steps of up to 1 mm
   const int n = values.divisor;
   if (n < 2 || n / depth_scale < kCoarse) return {};
-  const std::string found = fmt::format(
-      "PNG values are multiples of {}, so that depths come in steps of {:.3g} mm", n, 1e3 * n / depth_scale);
-  if (n == 256 || n == 257)
-    return found +
-           ": they have been made of images of 8 bits, which cannot hold depths; take the original ones";
-  return found + fmt::format(": depth_scale is probably {}{}", 1000 * n,
-                             isPowerOfTwo(n)
-                                 ? fmt::format(" (or the bits are shifted or rotated by {})", bitsOf(n))
-                                 : std::string());
+  const double step = 1e3 * n / depth_scale;
+  Finding found{
+      "values.steps",
+      severity,
+      fmt::format("PNG values are multiples of {}, so that depths come in steps of {:.3g} mm", n, step),
+      "",
+      {{"divisor", static_cast<double>(n)}, {"step_mm", step}}};
+  found.words += n == 256 || n == 257
+                     ? ": they have been made of images of 8 bits, which cannot hold depths; take the "
+                       "original ones"
+                     : fmt::format(": depth_scale is probably {}{}", 1000 * n,
+                                   isPowerOfTwo(n)
+                                       ? fmt::format(" (or the bits are shifted or rotated by {})", bitsOf(n))
+                                       : std::string());
+  return found;
 }
 
 }  // namespace
@@ -128,25 +134,33 @@ DepthValues depthValues(const DepthSequence& sequence) {
   return std::move(counter).result();
 }
 
-std::string opticsFault(const Intrinsics& camera) {
+std::optional<Finding> opticsFinding(const Intrinsics& camera) {
   constexpr double kMostTangent = 3.73;  // tangent of half the field of view
   constexpr double kBorder = 0.1;        // share of the image
   constexpr double kTwice = 0.8;         // share of the image, about the centre of one of twice the size
   if (!camera.valid()) return {};        // clouds have none
   const double x = (camera.cx + 0.5) / camera.width, y = (camera.cy + 0.5) / camera.height;
   if (camera.width > 2 * kMostTangent * camera.fx || camera.height > 2 * kMostTangent * camera.fy)
-    return fmt::format(
-        "fx = {:.4g} and fy = {:.4g} are a field of view beyond 150 deg: they are in pixels, not in "
-        "widths of the image or millimetres",
-        camera.fx, camera.fy);
+    return Finding{"camera.field_of_view",
+                   Severity::refusal,
+                   fmt::format("fx = {:.4g} and fy = {:.4g} are a field of view beyond 150 deg: they are in "
+                               "pixels, not in widths of the image or millimetres",
+                               camera.fx, camera.fy),
+                   "",
+                   {{"fx", camera.fx}, {"fy", camera.fy}}};
   if (std::min({x, y, 1 - x, 1 - y}) >= kBorder) return {};
-  return fmt::format(
-      "the optical axis, cx = {:.4g} and cy = {:.4g}, leaves the image of {}x{} at its border{}", camera.cx,
-      camera.cy, camera.width, camera.height,
-      x > kTwice && y > kTwice
-          ? fmt::format(": the calibration is probably of images of {}x{}; halve fx, fy, cx and cy",
-                        2 * camera.width, 2 * camera.height)
-          : ": is the calibration of these images?");
+  return Finding{
+      "camera.centre",
+      Severity::refusal,
+      fmt::format(
+          "the optical axis, cx = {:.4g} and cy = {:.4g}, leaves the image of {}x{} at its border{}",
+          camera.cx, camera.cy, camera.width, camera.height,
+          x > kTwice && y > kTwice
+              ? fmt::format(": the calibration is probably of images of {}x{}; halve fx, fy, cx and cy",
+                            2 * camera.width, 2 * camera.height)
+              : ": is the calibration of these images?"),
+      "",
+      {{"cx", camera.cx}, {"cy", camera.cy}}};
 }
 
 ValueCheck checkValues(DepthValues values, double depth_scale) {
@@ -165,33 +179,51 @@ ValueCheck checkValues(DepthValues values, double depth_scale) {
   check.share_beyond_10m = static_cast<double>(far) / static_cast<double>(found.count);
   check.median_depth = found.median / depth_scale;
   if (haveSwappedBytes(found)) {
-    check.impossible = true;
-    check.faults.push_back(fmt::format(
-        "the bytes of the PNG values are swapped: neighbouring pixels differ by {:.0f} values, and by {:.0f} "
-        "with the bytes in the other order; PNG is big-endian, write the images anew",
-        found.neighbours, found.neighbours_swapped));
+    check.findings.push_back(
+        {"values.bytes",
+         Severity::refusal,
+         fmt::format("the bytes of the PNG values are swapped: neighbouring pixels differ by {:.0f} values, "
+                     "and by {:.0f} with the bytes in the other order",
+                     found.neighbours, found.neighbours_swapped),
+         "PNG is big-endian, write the images anew",
+         {{"neighbours", found.neighbours}, {"neighbours_swapped", found.neighbours_swapped}}});
     return check;
   }
   const bool is_far = check.share_beyond_10m > kManyFar;
-  const std::string divisor = divisorFault(found, depth_scale);
-  if (!divisor.empty()) {
-    check.faults.push_back(divisor);
-    check.impossible = is_far;
-  }
+  const bool is_impossible = check.median_depth < kNoCamera || check.median_depth > kNoRoom;
+  if (auto divisor =
+          divisorFinding(found, depth_scale, is_far || is_impossible ? Severity::refusal : Severity::doubt))
+    check.findings.push_back(std::move(*divisor));
   if (quantile(found.histogram, 0.999) < k8Bits && check.median_depth > kLeastMedian)
-    check.faults.emplace_back(
-        "all PNG values are below 256: depths have been cut down to 8 bits; take the original ones");
-  check.impossible = check.impossible || check.median_depth < kNoCamera || check.median_depth > kNoRoom;
-  const std::string what_to_do = "is depth_scale right? (--depth-scale tries another one)";
+    check.findings.push_back({"values.bits", Severity::doubt,
+                              "all PNG values are below 256: depths have been cut down to 8 bits",
+                              "take the original ones"});
+  const auto scale = [&](std::string words) {
+    check.findings.push_back(
+        {"values.scale",
+         is_impossible ? Severity::refusal : Severity::doubt,
+         std::move(words) + ": is depth_scale right? (--depth-scale tries another one)",
+         "",
+         {{"median_depth", check.median_depth}, {"share_beyond_10m", check.share_beyond_10m}}});
+  };
   if (check.median_depth < kLeastMedian)
-    check.faults.push_back(
-        fmt::format("half of the depths are below {:.2f} m, nearer than depth cameras measure: {}",
-                    check.median_depth, what_to_do));
+    scale(fmt::format("half of the depths are below {:.2f} m, nearer than depth cameras measure",
+                      check.median_depth));
   else if (is_far)
-    check.faults.push_back(
-        fmt::format("{:.0f} % of the depths are beyond 10 m, farther than depth cameras measure: {}",
-                    100 * check.share_beyond_10m, what_to_do));
+    scale(fmt::format("{:.0f} % of the depths are beyond 10 m, farther than depth cameras measure",
+                      100 * check.share_beyond_10m));
   return check;
+}
+
+Findings readingFindings(const DepthSequence& sequence) {
+  Findings all;
+  for (const std::string& remark : sequence.remarks())
+    all.push_back({"reading.remark", Severity::note, remark, ""});
+  if (const auto& file = sequence.camera()) {
+    if (auto optics = opticsFinding(file->camera.intrinsics)) all.push_back(std::move(*optics));
+    append(checkValues(depthValues(sequence), file->depth_scale).findings, all);
+  }
+  return all;
 }
 
 }  // namespace facetloc

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/finding.h>
 #include <facetloc/io/depth_sequence.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +26,9 @@ struct DepthValues {
 /** \brief Evidence in raw values of how they must be read. */
 struct ValueCheck {
   DepthValues values;
-  double median_depth = 0;          ///< [m]
-  double share_beyond_10m = 0;      ///< share of the measured pixels
-  std::vector<std::string> faults;  ///< sentences without full stop: the finding and its remedy
-  bool impossible = false;          ///< the values cannot be right as they are read
+  double median_depth = 0;      ///< [m]
+  double share_beyond_10m = 0;  ///< share of the measured pixels
+  Findings findings;
 };
 
 /** \brief Looks at the raw values of up to 16 PNGs of a sequence. Images of other formats, and those that
@@ -38,9 +39,12 @@ DepthValues depthValues(const DepthSequence& sequence);
  * \param depth_scale values per metre */
 ValueCheck checkValues(DepthValues values, double depth_scale);
 
-/** \brief Why no depth camera can have these intrinsics, as a sentence without full stop with the likely
- * cause; empty if one can, and for none: the optical axis leaves the image away from its border, and the
- * field of view is below 150 deg. */
-std::string opticsFault(const Intrinsics& camera);
+/** \brief Why no depth camera can have these intrinsics; nothing if one can, and for none: the optical axis
+ * leaves the image away from its border, and the field of view is below 150 deg. */
+std::optional<Finding> opticsFinding(const Intrinsics& camera);
+
+/** \brief Findings of reading a sequence: its remarks, and the tests of its camera and of its values.
+ * Reads up to 16 images. */
+Findings readingFindings(const DepthSequence& sequence);
 
 }  // namespace facetloc

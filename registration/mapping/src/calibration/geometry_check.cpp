@@ -44,8 +44,10 @@ FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& came
   const bool are_distances = bend.ray_exponent > 0;
   FlatSurfaces otherwise = flatSurfaces(images, camera, are_distances ? DepthIs::distance : DepthIs::product);
   if (!(otherwise.flat_share > kFlatter * as_read.flat_share)) return as_read;
-  check.faults.push_back(
-      {fmt::format(
+  check.findings.push_back(
+      {"geometry.rays",
+       Severity::refusal,
+       fmt::format(
            "{} (so read, flat surfaces are {:.1f} times as large)",
            are_distances
                ? "flat surfaces are bent like bowls: depths are distances along the rays, not z; "
@@ -53,7 +55,8 @@ FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& came
                : "flat surfaces bulge, as if z were read as distances along the rays: depth_is = z in "
                  "camera.ini reads them",
            otherwise.flat_share / as_read.flat_share),
-       true});
+       "",
+       {{"ray_exponent", bend.ray_exponent, bend.ray_exponent_std}}});
   return otherwise;
 }
 
@@ -66,12 +69,15 @@ bool checkInverse(const std::vector<DepthImage>& images, const Camera& camera, c
   if (inverse.surfaces.size() < kLeastSurfaces ||
       !(inverse.flat_share > kMuchFlatter * std::max(as_read.flat_share, kHardlyFlat)))
     return false;
-  check.faults.push_back(
-      {fmt::format(
+  check.findings.push_back(
+      {"geometry.inverse",
+       Severity::refusal,
+       fmt::format(
            "flat surfaces are bent, and are {:.1f} times as large if the numbers are inverse depths: they "
            "seem to be disparities, of which depths are to be made first",
            inverse.flat_share / as_read.flat_share),
-       true});
+       "",
+       {{"flat_share", as_read.flat_share}, {"flat_share_inverse", inverse.flat_share}}});
   return true;
 }
 
@@ -81,12 +87,15 @@ void checkLens(const FlatSurfaces& flat, const Intrinsics& k, GeometryCheck& che
   if (flat.surfaces.size() < kLeastSurfaces || !isCertain(bend.lens, bend.lens_std) ||
       displacement < kLeastDisplacement || bend.residual_ratio < kLeastGain)
     return;
-  check.faults.push_back(
-      {fmt::format("flat surfaces are bent as behind a lens: in the corners of the image by {:.0f} % of the "
+  check.findings.push_back(
+      {"geometry.lens",
+       Severity::doubt,
+       fmt::format("flat surfaces are bent as behind a lens: in the corners of the image by {:.0f} % of the "
                    "distance from the centre; the camera's calibration in camera.ini takes it out (k1 is "
                    "about {:.2f})",
                    100 * displacement, bend.lens),
-       false});
+       "",
+       {{"k1", bend.lens, bend.lens_std}}});
 }
 
 /** "fx=525 fy=525 cx=319.5 cy=239.5", or factors where the images say their intrinsics. */
@@ -116,40 +125,44 @@ void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Ca
                 changeOf(1 + a.cy / worked_on.width, a.cy_std / worked_on.width, kLeastCentre)});
   const double gain = most > kFar ? kFarShare : kMoreShare;
   if (most == 0 || a.share_by_best < kLeastShare || a.share_by_best < gain * a.share_as_given) return;
-  check.faults.push_back(
-      {fmt::format(
+  check.findings.push_back(
+      {"geometry.right_angles",
+       most > kMuch && a.share_by_best > kSureShare && a.share_by_best > kMuchMoreShare * a.share_as_given
+           ? Severity::refusal
+           : Severity::doubt,
+       fmt::format(
            "surfaces that meet at right angles do not as the images are read: {:.0f} % of {} pairs are "
            "perpendicular, and {:.0f} % with {}; look at fx, fy, cx and cy of camera.ini",
            100 * a.share_as_given, a.pairs, 100 * a.share_by_best, linesFor(a, worked_on, camera.intrinsics)),
-       most > kMuch && a.share_by_best > kSureShare && a.share_by_best > kMuchMoreShare * a.share_as_given});
+       "",
+       {{"pairs", static_cast<double>(a.pairs)},
+        {"share_as_given", a.share_as_given},
+        {"share_by_best", a.share_by_best}}});
 }
 
 void checkPixels(const Intrinsics& k, GeometryCheck& check) {
   constexpr double kMostOblong =
       1.08;  // depth cameras have square pixels; calibrations err by a few per cent
   if (std::max(k.fx / k.fy, k.fy / k.fx) < kMostOblong) return;
-  check.faults.push_back(
-      {fmt::format(
+  check.findings.push_back(
+      {"geometry.pixels",
+       Severity::doubt,
+       fmt::format(
            "fx and fy differ by a factor of {:.2f}, though the pixels of depth cameras are square: look at "
            "fx and fy of camera.ini",
            std::max(k.fx / k.fy, k.fy / k.fx)),
-       false});
+       "",
+       {{"fx_by_fy", k.fx / k.fy}}});
 }
 
 }  // namespace
-
-const ReadingFault* GeometryCheck::impossible() const {
-  const auto found =
-      std::find_if(faults.begin(), faults.end(), [](const ReadingFault& f) { return f.impossible; });
-  return found == faults.end() ? nullptr : &*found;
-}
 
 GeometryCheck checkGeometry(const std::vector<DepthImage>& images, const Camera& camera) {
   GeometryCheck check;
   check.images = images.size();
   if (images.empty()) return check;
   const FlatSurfaces flat = checkRays(images, camera, check);
-  if (check.faults.empty() && checkInverse(images, camera, flat, check)) return check;
+  if (check.findings.empty() && checkInverse(images, camera, flat, check)) return check;
   const Intrinsics& worked_on = images.front().camera;
   checkLens(flat, worked_on, check);
   checkAngles(flat, worked_on, camera, check);

@@ -275,6 +275,31 @@ bool PoseCheck::isBeyondSense() const {
   return as_given.motions >= kEnoughToRefuse && isSenseless(as_given);
 }
 
+std::optional<Finding> PoseCheck::finding() const {
+  if (!isKnown())
+    return Finding{"poses.unchecked", Severity::note,
+                   fmt::format("the poses could not be checked: of {} motions that the images show, poses "
+                               "are known at both ends, and {} are needed",
+                               as_given.motions, kEnough),
+                   ""};
+  if (cause.empty() && !isBeyondSense()) return {};
+  Finding found{convention.empty() ? "poses.disagree" : "poses.convention",
+                isBeyondSense() ? Severity::refusal : Severity::doubt,
+                "the poses disagree with the images by " + as_given.toString(),
+                "",
+                {{"rotation_deg", as_given.rotation_deg},
+                 {"translation_m", as_given.translation},
+                 {"motions", static_cast<double>(as_given.motions)}}};
+  if (!cause.empty()) found.words += "; " + cause;
+  if (mended.toString() != as_given.toString())
+    found.words += "; so read, they disagree by " + mended.toString();
+  if (!convention.empty())
+    found.cure = "--poses-are " + convention + " reads them so";
+  else if (isBeyondSense())
+    found.cure = "--without-poses lets facetloc_map build find its own";
+  return found;
+}
+
 PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const PosesByTime& poses) {
   const Trial trial(motions, poses);
   PoseCheck check;

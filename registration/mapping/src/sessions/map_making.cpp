@@ -94,6 +94,90 @@ std::optional<FoundMounting> completeMap(const std::shared_ptr<Map>& map, const 
   return completeMap(sink, how);
 }
 
+namespace {
+
+/** How the trajectory contradicts the images that it was found from. */
+void judge(const CameraTrajectory& trajectory, Findings& all) {
+  constexpr double kContradicted = 0.2;  // share of the overlaps
+  constexpr int kLeastJudged = 20;       // overlaps
+  constexpr const char* kCure = "give poses (--poses) or an odometry (--odometry), or record more slowly, "
+                                "with more in common between images";
+  const OverlapVerdicts& overlaps = trajectory.overlaps;
+  if (overlaps.judged() >= kLeastJudged && overlaps.contradictedShare() > kContradicted)
+    all.push_back({"trajectory.contradicted",
+                   Severity::refusal,
+                   "the trajectory found from the images is wrong: " + overlaps.toString(),
+                   kCure,
+                   {{"contradicted_share", overlaps.contradictedShare()},
+                    {"overlaps", static_cast<double>(overlaps.judged())}}});
+  if (trajectory.cut_bonds > 0)
+    all.push_back({"trajectory.cut", Severity::note,
+                   fmt::format("{} {} between pieces of the trajectory taken out, which overlapping images "
+                               "contradict",
+                               trajectory.cut_bonds, trajectory.cut_bonds == 1 ? "bond" : "bonds"),
+                   ""});
+  const std::vector<int> parts = trajectory.parts();
+  if (parts.size() < 2) return;
+  const auto outside =
+      std::count_if(trajectory.images.begin(), trajectory.images.end(),
+                    [&](const TrajectoryPose& pose) { return trajectory.partOf(pose) != parts.front(); });
+  all.push_back({"trajectory.parts", Severity::note,
+                 fmt::format("the images are not all connected: {} {} in {} {} that nothing ties to the "
+                             "largest one; their local models have no pose in its world",
+                             outside, outside == 1 ? "image" : "images", parts.size() - 1,
+                             parts.size() == 2 ? "piece" : "pieces"),
+                 ""});
+}
+
+/** A distortion that cannot be separated from the errors of the poses. */
+void judge(const DistortionEstimate& found, bool own_trajectory, Findings& all) {
+  constexpr double kSenselessDegrees = 10;
+  if (found.reliable()) return;
+  const double degrees = found.poses.rotation_std / kDegree, mm = 1e3 * found.poses.translation_std;
+  if (own_trajectory && degrees > kSenselessDegrees)
+    all.push_back(
+        {"trajectory.uncertain",
+         Severity::refusal,
+         fmt::format("the trajectory found from the images is accurate to {:.0f} deg, {:.0f} mm only",
+                     degrees, mm),
+         "give poses (--poses) or an odometry (--odometry)",
+         {{"rotation_deg", degrees}, {"translation_mm", mm}}});
+  else
+    all.push_back({"camera.distortion",
+                   Severity::note,
+                   own_trajectory
+                       ? fmt::format("the distortion of the camera is not estimated: the trajectory is "
+                                     "accurate to {:.2f} deg, {:.0f} mm only",
+                                     degrees, mm)
+                       : fmt::format("the distortion of the camera is not removed: the poses disagree too "
+                                     "much with the images ({:.2f} deg, {:.0f} mm) to find it",
+                                     degrees, mm),
+                   "",
+                   {{"rotation_deg", degrees}, {"translation_mm", mm}}});
+}
+
+}  // namespace
+
+Findings MapFindings::list() const {
+  Findings all;
+  if (geometry) all = geometry->findings;
+  const bool posed = without_pose<images, mostly = 2 * without_pose> images;
+  if (posed && without_pose > 0)
+    all.push_back(
+        {"poses.missing",
+         !mostly                     ? Severity::note
+         : poses && poses->isKnown() ? Severity::doubt
+                                     : Severity::refusal,
+         fmt::format("{} of {} images have no pose at their times", without_pose, images),
+         mostly ? "do both clocks show the same time (--time-offset)? Is --pose-tolerance too small?" : "",
+         {{"without_pose", static_cast<double>(without_pose)}, {"images", static_cast<double>(images)}}});
+  if (poses)
+    if (auto found = poses->finding()) all.push_back(std::move(*found));
+  if (trajectory) judge(*trajectory, all);
+  if (distortion) judge(*distortion, trajectory.has_value(), all);
+  return all;
+}
+
 struct MapMaking::Impl {
   Impl(const Camera& camera, const MapMakingParams& the_params) : params(the_params) {
     params.validate();
@@ -177,12 +261,8 @@ bool MapMaking::Impl::canBeMade() {
     findings.problem = "there are no images";
   else if (findings.noneRead(run.images.size()))
     findings.problem = "no image can be read: " + findings.unread.front().cause;
-  else if (const ReadingFault* fault = findings.geometry ? findings.geometry->impossible() : nullptr;
-           fault && !params.any_reading)
-    findings.problem = fault->words;
-  else if (!params.any_reading && findings.poses && findings.poses->isBeyondSense())
-    findings.problem = fmt::format("poses and images disagree by {}{}", findings.poses->as_given.toString(),
-                                   findings.poses->cause.empty() ? "" : "; " + findings.poses->cause);
+  else if (const Findings found = findings.list(); !params.any_reading)
+    if (const Finding* refusal = firstOf(found, Severity::refusal)) findings.problem = refusal->text();
   return findings.problem.empty();
 }
 
@@ -257,6 +337,9 @@ void MapMaking::checkGeometry() {
 
 void MapMaking::checkPoses() {
   Impl& m = *impl_;
+  m.findings.images = m.run.images.size();
+  m.findings.without_pose = static_cast<std::size_t>(std::count_if(
+      m.run.images.begin(), m.run.images.end(), [](const MapImage& image) { return !image.T_w_c; }));
   if (!m.run.hasPoses() && !m.poses_by_time) return;
   m.findings.poses =
       internal::checkPoses(m.run.seenMotions(), m.poses_by_time ? m.poses_by_time : posesOf(m.run.images));

@@ -4,6 +4,7 @@
 #include <facetloc/features/camera.h>
 #include <facetloc/features/depth_distortion.h>
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/finding.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 
@@ -71,21 +72,12 @@ struct RightAngles {
   double fx_std = 0, fy_std = 0, cx_std = 0, cy_std = 0;
 };
 
-/** \brief A reason to doubt how depth images are read. */
-struct ReadingFault {
-  std::string words;        ///< the finding and its remedy: a sentence without full stop
-  bool impossible = false;  ///< the images cannot be right as they are read
-};
-
 /** \brief Evidence in depth images alone of how they must be read. */
 struct GeometryCheck {
   std::size_t images = 0, surfaces = 0;  ///< that were looked at
   SurfaceBend bend;
   std::optional<RightAngles> right_angles;  ///< nothing if there are too few pairs
-  std::vector<ReadingFault> faults;         ///< the clearest first
-
-  /** \brief The first fault that makes the images impossible; null if they are possible. */
-  const ReadingFault* impossible() const;
+  Findings findings;                        ///< the clearest first
 };
 
 /** \brief Tests the largest flat surfaces of some images of one camera: whether they are flat as read, as
@@ -139,6 +131,8 @@ struct PoseCheck {
   /** \brief No map can be made of such poses: they are known, and in a wrong convention, or have nothing to
    * do with the images. */
   bool isBeyondSense() const;
+  /** \brief The fault of the poses, or that they could not be checked; nothing if they agree. */
+  std::optional<Finding> finding() const;
 };
 
 /** \brief Accuracy of the poses of pictures, relative to others nearby: standard deviations. */
@@ -176,9 +170,12 @@ struct MapFindings {
   std::vector<UnreadImage> unread;               ///< sorted as the images
   std::size_t without_segments = 0;              ///< selected images that became no local models
   std::string problem;                           ///< reason for an empty map, in words
+  std::size_t images = 0, without_pose = 0;  ///< number of images; of those without one of the given poses
 
+  /** \brief Findings so far about the images, their poses and the trajectory. */
+  Findings list() const;
   /** \brief Was none of that many images readable? */
-  bool noneRead(std::size_t images) const { return images > 0 && unread.size() == images; }
+  bool noneRead(std::size_t of_images) const { return of_images > 0 && unread.size() == of_images; }
 };
 
 }  // namespace facetloc

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/finding.h>
+
+#include <filesystem>
+
+namespace facetloc {
+
+/** \brief Their file in a folder of results. */
+constexpr const char* kFindingsFile = "findings.json";
+
+/** \brief Writes findings as a JSON list of objects with id, severity, words, cure and evidence. Throws
+ * IoError. */
+void writeFindings(const std::filesystem::path& path, const Findings& findings);
+
+/** \brief Reads such a file. Throws IoError. */
+Findings readFindings(const std::filesystem::path& path);
+
+}  // namespace facetloc
