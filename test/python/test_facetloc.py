@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """import facetloc: as the tools answer, and as the simulator knows better."""
 import csv
+import json
 import os
 import pathlib
 import subprocess
@@ -90,6 +91,23 @@ def test_whole_numbers_and_metres_are_the_same_image(room):
     assert len(a.segments) == len(b.segments) > 2
 
 
+def test_masked_pixels_are_not_measured(room):
+    recording = facetloc.Recording.open(room / "query")
+    depth, mask = np.array(recording[0].depth), np.zeros(recording[0].depth.shape, bool)
+    mask[:, :100] = True
+    masked = facetloc.segment(np.ma.array(depth, mask=mask), recording.camera)
+    depth[mask] = 0
+    assert np.array_equal(masked.labels, facetloc.segment(depth, recording.camera).labels)
+
+
+def test_a_recording_has_the_findings_of_the_tool(room, tmp_path):
+    run(TOOLS / "facetloc_check", room / "query", "--findings", tmp_path / "findings.json")
+    of_tool = json.loads((tmp_path / "findings.json").read_text(encoding="utf-8"))
+    found = facetloc.Recording.open(room / "query").findings()
+    assert {f["id"] for f in found} <= {f["id"] for f in of_tool}
+    assert not [f for f in found if f["severity"] != "note"]
+
+
 def test_segments_are_planes_of_the_scene():
     drive, of_one, of_all = facetloc.simulate("room", seed=3, frames=6), 0, 0
     for frame in drive:
@@ -175,8 +193,11 @@ def test_errors_are_exceptions_with_the_sentences_of_the_tools(room, tmp_path):
     camera = facetloc.Camera(width=4, height=3, fx=3, fy=3, cx=1, cy=1)
     with pytest.raises(ValueError, match=r"the shape \(4, 3\), not \(3, 4\)"):
         facetloc.segment(np.zeros((4, 3)), camera)
-    with pytest.raises(ValueError, match="another type"):
-        facetloc.segment(np.zeros((3, 4), dtype=np.int64), camera)
+    for kind in (np.int64, np.uint8):
+        with pytest.raises(ValueError, match=f"of the type {np.dtype(kind)}, not uint16"):
+            facetloc.segment(np.zeros((3, 4), dtype=kind), camera)
+    with pytest.raises(ValueError, match="they are millimetres"):
+        facetloc.segment(np.full((3, 4), 1500.0), camera)
     assert not facetloc.segment(np.zeros((3, 4), dtype=np.uint16), camera).segments
     localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))
     with pytest.raises(ValueError, match="no rigid transform"):

@@ -144,7 +144,7 @@ def _answer(values: dict) -> Answer:
 
 def segment(depth: npt.ArrayLike, camera: Camera, width: int = WIDTH) -> Segmentation:
     """The planes of a depth image."""
-    labels, segments = _facetloc.segment(np.asarray(depth), camera, width)
+    labels, segments = _facetloc.segment(np.asanyarray(depth), camera, width)
     return Segmentation(labels, [Segment(**s) for s in segments])
 
 
@@ -152,7 +152,7 @@ def register(source: npt.ArrayLike, target: npt.ArrayLike, camera: Camera, targe
              width: int = WIDTH) -> Registration:
     """The pose of the source's camera in the target's, by their planes; no guess is needed. camera is of both images unless
     target_camera is given."""
-    values = _facetloc.register(np.asarray(source), np.asarray(target), camera, target_camera or camera, width)
+    values = _facetloc.register(np.asanyarray(source), np.asanyarray(target), camera, target_camera or camera, width)
     return Registration(values["state"], [Hypothesis(**h) for h in values["hypotheses"]], values["reason"])
 
 
@@ -181,6 +181,11 @@ class Recording(Sequence[Frame]):
     def remarks(self) -> List[str]:
         """What to know of it."""
         return self._recording.remarks
+
+    def findings(self) -> List[dict]:
+        """As facetloc_check lists them: id, severity ("note", "doubt", "refusal"), words, cure, and evidence, a dict of (value, std).
+        Reads some dozen images, and all that have poses."""
+        return self._recording.findings()
 
     def __len__(self) -> int:
         return len(self._recording)
@@ -234,7 +239,7 @@ class MapMaking:
     def add(self, depth: npt.ArrayLike, stamp: float, name: str = "", T_w_c: Optional[npt.ArrayLike] = None,
             gravity: Optional[npt.ArrayLike] = None) -> None:
         """The next image. Names default to stamps. gravity: downwards, in the camera's axes."""
-        self._making.add(np.asarray(depth), stamp, name or f"{stamp:.6f}", _array(T_w_c), _array(gravity))
+        self._making.add(np.asanyarray(depth), stamp, name or f"{stamp:.6f}", _array(T_w_c), _array(gravity))
         self._images += 1
 
     def finish(self) -> Map:
@@ -243,7 +248,8 @@ class MapMaking:
 
     @property
     def findings(self) -> dict:
-        """What was found beside the map: unread and without_segments (numbers of images), mounting and poses (in words)."""
+        """What was found beside the map: unread and without_segments (numbers of images), mounting and poses (in words), and a list of
+        findings like Recording.findings()."""
         return self._making.findings()
 
 
@@ -258,12 +264,12 @@ class Localizer:
     def localize(self, depth: npt.ArrayLike, camera: Camera, gravity: Optional[npt.ArrayLike] = None,
                  near: Optional[npt.ArrayLike] = None, std_m: float = 1, std_deg: float = 30) -> Answer:
         """By this image alone; near: a pose T_w_c somebody believes in, with its standard deviations."""
-        return _answer(self._localizer.localize(np.asarray(depth), camera, _array(gravity), _array(near), std_m, std_deg))
+        return _answer(self._localizer.localize(np.asanyarray(depth), camera, _array(gravity), _array(near), std_m, std_deg))
 
     def update(self, depth: npt.ArrayLike, camera: Camera, stamp: float, motion: Optional[npt.ArrayLike] = None,
                motion_covariance: Optional[npt.ArrayLike] = None, gravity: Optional[npt.ArrayLike] = None) -> Answer:
         """By all images so far. motion: T_before_now of the camera by an odometry, with its covariance."""
-        return _answer(self._localizer.update(np.asarray(depth), camera, stamp, _array(motion), _array(motion_covariance),
+        return _answer(self._localizer.update(np.asanyarray(depth), camera, stamp, _array(motion), _array(motion_covariance),
                                               _array(gravity)))
 
     def set_pose(self, T_w_c: npt.ArrayLike, covariance: Optional[npt.ArrayLike] = None, std_m: float = 1, std_deg: float = 30,

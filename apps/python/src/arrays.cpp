@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/median.h"
 #include "bindings.h"
 
 #include <Eigen/LU>
@@ -25,24 +26,35 @@ void requireShape(const py::array& array, py::ssize_t rows, py::ssize_t columns,
   throw std::invalid_argument(fmt::format("{} has the shape ({}), not ({}, {})", name, shape, rows, columns));
 }
 
+/** Unmeasured pixels become 0. Throws std::invalid_argument for millimetres. */
+void requireMetres(std::vector<float>& depth) {
+  constexpr float kFarthest = 100;
+  std::vector<float> measured;
+  for (float& z : depth) isMeasured(z) ? measured.push_back(z) : void(z = 0);
+  if (!measured.empty() && internal::median(std::move(measured)) > kFarthest)
+    throw std::invalid_argument(
+        "half of the depths are beyond 100 m: they are millimetres; divide them by 1000");
+}
+
 }  // namespace
 
-DepthArray::DepthArray(const py::array& depth, CameraPtr camera) : camera_(std::move(camera)) {
+DepthArray::DepthArray(py::array depth, CameraPtr camera) : camera_(std::move(camera)) {
   if (!camera_) throw std::invalid_argument("the camera is missing");
   const Intrinsics& k = camera_->camera.intrinsics;
   requireShape(depth, k.height, k.width, "the depth image");
+  if (py::hasattr(depth, "filled")) depth = depth.attr("filled")(0);  // masked pixels are not measured
   const char kind = depth.dtype().kind();
-  if (kind == 'u' && depth.dtype().itemsize() <= 2) {
+  if (kind == 'u' && depth.dtype().itemsize() == 2) {
     frame_.camera = camera_;
     frame_.values = copied<std::uint16_t>(depth);
   } else if (kind == 'f') {
     metres_ = {k, copied<float>(depth)};
-    for (float& z : metres_.depth)
-      if (!isMeasured(z)) z = 0;
+    requireMetres(metres_.depth);
   } else {
     throw std::invalid_argument(
-        "the depth image is of another type than uint16 (by the depth_scale of the camera) or "
-        "float (metres)");
+        fmt::format("the depth image is of the type {}, not uint16 (by the depth_scale of the camera) or "
+                    "float (metres)",
+                    py::str(depth.dtype()).cast<std::string>()));
   }
 }
 
@@ -101,6 +113,22 @@ std::optional<Gravity> toGravity(const std::optional<py::array_t<double>>& down)
   if (!down) return {};
   if (down->size() != 3 || down->ndim() != 1) throw std::invalid_argument("gravity has not three numbers");
   return gravityAlong({down->at(0), down->at(1), down->at(2)}, kDegree);
+}
+
+py::list toList(const Findings& findings) {
+  py::list list;
+  for (const Finding& finding : findings) {
+    py::dict out, evidence;
+    for (const Evidence& number : finding.evidence)
+      evidence[py::str(number.quantity)] = py::make_tuple(number.value, number.std);
+    out["id"] = finding.id;
+    out["severity"] = toString(finding.severity);
+    out["words"] = finding.words;
+    out["cure"] = finding.cure;
+    out["evidence"] = evidence;
+    list.append(out);
+  }
+  return list;
 }
 
 py::dict toDict(const Hypothesis& h, const Map* map) {

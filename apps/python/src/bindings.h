@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/finding.h>
 #include <facetloc/features/gravity.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/pose.h>
@@ -28,7 +29,7 @@ using CameraPtr = std::shared_ptr<CameraFile>;
  * std::invalid_argument, with a sentence, for another shape or type. */
 class DepthArray {
 public:
-  DepthArray(const py::array& depth, CameraPtr camera);
+  DepthArray(py::array depth, CameraPtr camera);
   /** \brief Depth image of a pinhole camera, subsampled to the working width. Needs no lock. */
   DepthImage image(int working_width) const;
   const Camera& camera() const { return camera_->camera; }
@@ -52,6 +53,9 @@ PoseWithCovariance toPose(const py::array_t<double>& T, const std::optional<py::
 std::optional<Gravity> toGravity(const std::optional<py::array_t<double>>& down);
 /** \brief \param T_w_m of the local model, by its index; may be null */
 py::dict toDict(const Hypothesis& hypothesis, const Map* map);
+
+/** \brief A list of dicts. */
+py::list toList(const Findings& findings);
 
 void addRecordings(py::module_& module);
 void addLocalization(py::module_& module);

@@ -51,6 +51,7 @@ public:
     out["without_segments"] = found.without_segments;
     out["mounting"] = found.mounting ? found.mounting->toString() : std::string();
     out["poses"] = found.poses && found.poses->isKnown() ? found.poses->as_given.toString() : std::string();
+    out["findings"] = toList(found.list());
     return out;
   }
 

@@ -3,7 +3,9 @@
 
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/depth_values.h>
 #include <facetloc/io/map_camera.h>
+#include <facetloc/mapping/map_making.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
@@ -91,6 +93,28 @@ py::array_t<float> depthOf(const DepthSequence& sequence, std::size_t index, int
   return toArray(image);
 }
 
+/** As facetloc_check lists them. */
+py::list findingsOf(const DepthSequence& sequence) {
+  constexpr int kWidth = 320;  // working width
+  Findings found;
+  {
+    const py::gil_scoped_release others_run;
+    found = readingFindings(sequence);
+    const Trajectory& poses = sequence.groundTruth();
+    MapMaking making(sequence.camera() ? sequence.camera()->camera : Camera());
+    for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
+      const FrameFile& frame = sequence.frames()[i];
+      making.add({frame.name, frame.stamp, [&sequence, i] { return sequence.load(i, kWidth); },
+                  poses.at(frame.stamp)});
+    }
+    if (!poses.empty()) making.setPosesByTime([&poses](double stamp) { return poses.interpolated(stamp); });
+    making.checkGeometry();
+    making.checkPoses();
+    append(making.findings().list(), found);
+  }
+  return toList(found);
+}
+
 }  // namespace
 
 void addRecordings(py::module_& module) {
@@ -130,6 +154,7 @@ void addRecordings(py::module_& module) {
       .def("depth", &depthOf, py::arg("index"), py::arg("width"))
       .def_property_readonly("layout", &DepthSequence::layout)
       .def_property_readonly("remarks", &DepthSequence::remarks)
+      .def("findings", &findingsOf)
       .def_property_readonly("camera", [](const DepthSequence& s) {
         return s.camera() ? py::cast(pinhole(*s.camera())) : py::none();
       });

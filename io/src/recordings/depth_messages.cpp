@@ -42,6 +42,12 @@ bool isPngData(ByteView bytes) {
   return bytes.size > 4 && std::memcmp(bytes.data, kBegin, 4) == 0;
 }
 
+/** Depth by the plain transport, unlike pictures of 8 bits or of colours. */
+bool isGreyPngOf16Bits(ByteView bytes) {
+  constexpr std::size_t kBits = 24, kColours = 25;  // places in the header
+  return isPngData(bytes) && bytes.size > kColours && bytes.data[kBits] == 16 && bytes.data[kColours] == 0;
+}
+
 /** Reads RVL. */
 class RvlDecoder {
 public:
@@ -100,7 +106,9 @@ private:
 
 bool isDepth(const ImageMessage& image) { return pixelSize(image.encoding) > 0; }
 
-bool isDepth(const CompressedImageMessage& image) { return has(image.format, kCompressedDepth); }
+bool isDepth(const CompressedImageMessage& image) {
+  return has(image.format, kCompressedDepth) || isGreyPngOf16Bits(image.data);
+}
 
 StoredDepth readDepth(const ImageMessage& image, const std::string& name) {
   constexpr std::uint32_t kLargestSide = 65535;

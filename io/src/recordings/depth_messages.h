@@ -17,14 +17,14 @@ namespace facetloc::internal {
 
 /** \brief Is it depth: 16UC1, mono16 or 32FC1? */
 bool isDepth(const ImageMessage& image);
-/** \brief Is it the format compressedDepth of image_transport? */
+/** \brief Is it the format compressedDepth of image_transport, or a grey PNG of 16 bits? */
 bool isDepth(const CompressedImageMessage& image);
 
 /** \brief The image of such a message. Throws IoError for any other, and for corrupt ones. \param name in
  * errors */
 StoredDepth readDepth(const ImageMessage& image, const std::string& name);
 
-/** \brief The image of compressedDepth: behind 12 bytes, a number and the two parameters a and b of a
+/** \brief The PNG, or the image of compressedDepth: behind 12 bytes, a number and the two parameters a and b of a
  * quantization, a PNG of 16 bits or an RVL code. Of 32FC1, a value v > 0 is the depth a / (v - b). Throws
  * IoError. \param name in errors */
 StoredDepth readDepth(const CompressedImageMessage& image, const std::string& name);

@@ -105,12 +105,11 @@ MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& image
   return camera;
 }
 
-constexpr const char* kCompressedTopic = "/compressedDepth";
-
 /** The topic of the plain images, of which these are. */
 std::string baseOf(const std::string& topic) {
-  return endsWith(topic, kCompressedTopic) ? topic.substr(0, topic.size() - std::strlen(kCompressedTopic))
-                                           : topic;
+  for (const char* transport : {"/compressedDepth", "/compressed"})
+    if (endsWith(topic, transport)) return topic.substr(0, topic.size() - std::strlen(transport));
+  return topic;
 }
 
 class MessageRecording : public ImageContainer {
@@ -193,7 +192,7 @@ private:
     const auto compressed = log_.topicsOf(CompressedImageMessage::kType);
     images.insert(images.end(), compressed.begin(), compressed.end());
     std::string words = fmt::format("has no depth images{} (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or "
-                                    "CompressedImage of compressedDepth); its images: {}",
+                                    "CompressedImage of compressedDepth or PNG of 16 bits); its images: {}",
                                     wanted.empty() ? "" : " in " + wanted, listOf(images));
     if (images.empty()) words += "; its topics: " + listOf(log_.topics());
     addSentence(log_.faults(), words);
