@@ -34,7 +34,7 @@ protected:
 TEST_F(MessageRecordings, KeepImageTimesInEveryStorageFormat) {
   for (const char* words : {"db3", "db3 zstd", "db3 split", "db3 32FC1 big", "db3 png", "db3 rvl", "mcap",
                             "mcap zstd", "mcap lz4", "mcap unchunked", "mcap big", "mcap split lz4",
-                            "mcap 32FC1 unchunked", "mcap png zstd", "mcap rvl lz4"}) {
+                            "mcap 32FC1 unchunked", "mcap png zstd", "mcap rvl lz4", "mcap transport"}) {
     const DepthSequence read = DepthSequence::open(recording(words));
     EXPECT_THAT(read.remark(),
                 HasAll("/camera/depth/image_raw", Not(HasSubstr("finished")), Not(HasSubstr("damaged"))))

@@ -102,6 +102,40 @@ TEST_F(Recordings, SevenScenes) {
   EXPECT_EQ(DepthSequence::readTruth(folder_.path()).poses().size(), 2u);
 }
 
+TEST_F(Recordings, FilesOfOnePoseHaveTheNumbersOfTheirImages) {
+  for (const char* name : {"%_pose.txt", "pose-%.txt", "camera %.txt"}) {
+    const TemporaryFolder folder;
+    putBytes(folder / "camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=1000");
+    for (const int n : {1, 2, 10}) {
+      const std::string number = (n < 10 ? "00" : "0") + std::to_string(n);
+      std::string file = name;
+      file.replace(file.find('%'), 1, number);
+      putBytes(folder / file, matrixText(poseOf(n)));
+      writePng(folder / (number + "_depth.png"), Raster<std::uint16_t>{2, 2, 1, {1000, 1000, 1000, 1000}});
+    }
+    const DepthSequence sequence = DepthSequence::open(folder.path());
+    EXPECT_EQ(sequence.groundTruth().poses().size(), 3u) << name;
+    expectPose(sequence, 2, poseOf(10));
+  }
+}
+
+TEST_F(Recordings, ImagesOfSeveralCamerasAreNoRecording) {
+  for (const auto& [first, second] : {std::pair("cam0_", "cam1_"), std::pair("left-", "right-")}) {
+    const TemporaryFolder folder;
+    putBytes(folder / "camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=1000");
+    for (const char* time : {"0.0", "0.5", "1.0"})
+      for (const char* camera : {first, second})
+        writePng(folder / (std::string(camera) + time + ".png"),
+                 Raster<std::uint16_t>{2, 2, 1, {1, 1, 1, 1}});
+    EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder.path()); }),
+                HasAll("images of 2 cameras", first, second));
+  }
+  for (const char* name : {"10-00-01.5.png", "10-00-02.5.png", "11-00-01.5.png", "11-00-03.5.png"})
+    putDepth(name, 1);
+  put("camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=1000");
+  EXPECT_EQ(open().frames().size(), 4u) << "hours and minutes are no cameras";
+}
+
 TEST_F(Recordings, AMatrixOfIntrinsicsIsACamera) {
   putDepth("seq-01/frame-000001.depth.png", 1);
   put("camera-intrinsics.txt", "570.5\t 0 320.25\n0 571 240.5\n0 0 1\n");

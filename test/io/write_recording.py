@@ -8,6 +8,7 @@ FOLDER has intrinsics.txt (width height fx fy cx cy), <stamp>.raw (depth in mill
 missing. CONTAINER is db3, mcap or rtabmap. Words, of all of which the last one counts:
 
     16UC1 32FC1 png quantized rvl    how images are stored; png and rvl are compressedDepth, quantized is its 32FC1 (rtabmap: png, 32FC1, rvl)
+    transport                        a PNG of 16 bits, by the plain transport
     zstd lz4                         how messages (db3) or chunks (mcap) are compressed
     unchunked                        mcap: no chunks
     big                              CDR is big-endian
@@ -139,6 +140,8 @@ def metres(values):
 
 def image_message(stamp, values):
     message = Cdr().header(stamp, CAMERA)
+    if "transport" in words:
+        return message.text("16UC1; png compressed ").data(png(values))
     if {"png", "rvl", "quantized"} & words:
         encoding = "16UC1"
         if "quantized" in words:
@@ -199,7 +202,7 @@ OPTICAL = [0.2, 0, 0.7, -0.5, 0.5, -0.5, 0.5]
 
 def all_messages():
     """(time [ns], topic, type, Cdr), by their times."""
-    compressed = {"png", "rvl", "quantized"} & words
+    compressed = "/compressedDepth" if {"png", "rvl", "quantized"} & words else "/compressed" if "transport" in words else ""
     kind = "sensor_msgs/msg/CompressedImage" if compressed else "sensor_msgs/msg/Image"
     messages = []
 
@@ -212,7 +215,7 @@ def all_messages():
     for n, (stamp, values) in enumerate(images()):
         late = 1.5 * (stamps[3] - stamps[2]) if "late" in words and n == 2 else 0
         for _ in range(2 if "again" in words and n == 1 else 1):
-            add(stamp, TOPIC + ("/compressedDepth" if compressed else ""), kind, image_message(stamp, values), late)
+            add(stamp, TOPIC + compressed, kind, image_message(stamp, values), late)
         if "two_topics" in words and n % 2 == 0:
             add(stamp, "/other/depth/image", kind, image_message(stamp, values))
         if "no_info" not in words:

@@ -24,9 +24,9 @@ bool isDepth(const CompressedImageMessage& image);
  * errors */
 StoredDepth readDepth(const ImageMessage& image, const std::string& name);
 
-/** \brief The PNG, or the image of compressedDepth: behind 12 bytes, a number and the two parameters a and b of a
- * quantization, a PNG of 16 bits or an RVL code. Of 32FC1, a value v > 0 is the depth a / (v - b). Throws
- * IoError. \param name in errors */
+/** \brief The PNG, or the image of compressedDepth: behind 12 bytes, a number and the two parameters a and b
+ * of a quantization, a PNG of 16 bits or an RVL code. Of 32FC1, a value v > 0 is the depth a / (v - b).
+ * Throws IoError. \param name in errors */
 StoredDepth readDepth(const CompressedImageMessage& image, const std::string& name);
 
 /** \brief The image of values, with the size that it has and no intrinsics; numbers by the scale [1/m], 0 and

@@ -8,7 +8,10 @@
 #include <cctype>
 #include <cmath>
 #include <ctime>
+#include <fmt/format.h>
+#include <map>
 #include <regex>
+#include <set>
 #include <utility>
 
 namespace facetloc::internal {
@@ -125,6 +128,41 @@ bool jitter(const std::vector<double>& steps) {
 }
 
 }  // namespace
+
+std::string numbersOf(const std::string& name) {
+  return fmt::format("{}", fmt::join(piecesOf(name).numbers, " "));
+}
+
+std::vector<std::size_t> seriesInNames(const std::vector<std::string>& names) {
+  std::vector<Pieces> pieces;
+  std::size_t slots = 0;  // numbers that all names have; one slot more stands for their words
+  for (const std::string& name : names) {
+    pieces.push_back(piecesOf(name));
+    slots = pieces.size() == 1 ? pieces[0].numbers.size() : std::min(slots, pieces.back().numbers.size());
+  }
+  for (std::size_t slot = 0; slot <= slots; ++slot) {
+    std::map<std::string, std::size_t> series;                 // keyed by the word or number of the slot
+    std::map<std::string, std::set<std::size_t>> series_with;  // the other pieces
+    std::vector<std::size_t> of_names;
+    for (const Pieces& name : pieces) {
+      Pieces others = name;
+      const bool of_words = slot == slots;
+      const std::string value =
+          of_words ? fmt::format("{}", fmt::join(name.texts, "#")) : std::exchange(others.numbers[slot], {});
+      if (of_words) others.texts.clear();
+      of_names.push_back(series.emplace(value, series.size()).first->second);
+      series_with[fmt::format("{}#{}", fmt::join(others.texts, "#"), fmt::join(others.numbers, " "))].insert(
+          of_names.back());
+    }
+    const auto in_all = std::count_if(series_with.begin(), series_with.end(), [&](const auto& other) {
+      return other.second.size() == series.size();
+    });
+    const bool repeats = series.size() > 1 && in_all > 1 && series.size() < series_with.size() &&
+                         2 * in_all > static_cast<std::ptrdiff_t>(series_with.size());
+    if (repeats) return of_names;
+  }
+  return std::vector<std::size_t>(names.size());
+}
 
 std::optional<double> stampInName(const std::string& name) {
   if (const auto seconds = secondsOfDate(name)) return seconds;

@@ -19,6 +19,15 @@ struct NameNumbers {
  * does. Empty if there are no such numbers. */
 std::optional<NameNumbers> numbersInNames(const std::vector<std::string>& names);
 
+/** \brief The series of each name, from 0 in their order: names of several cameras differ in a word or a
+ * number that comes with the same other numbers in each of them, as cam0_17 and cam1_17, or left-17 and
+ * right-17. All 0 for names of one series. */
+std::vector<std::size_t> seriesInNames(const std::vector<std::string>& names);
+
+/** \brief The numbers in a name as they are written, with blanks between them: files with the same ones
+ * belong together. */
+std::string numbersOf(const std::string& name);
+
 /** \brief The time that the name of an image is or has in it, as those of PCL's recorders do, [s]. */
 std::optional<double> stampInName(const std::string& name);
 

@@ -49,6 +49,10 @@ struct PoseTable {
   std::vector<double> stamps() const;
 };
 
+/** \brief The pose of one image in a file of its own: a matrix of 4x4 or 3x4, or `tx ty tz qx qy qz qw`.
+ * Nothing if it was lost, and has numbers that are not finite. Throws IoError. */
+std::optional<Eigen::Isometry3d> readPoseOfImage(const std::filesystem::path& path);
+
 /** \brief Reads rows of numbers between blanks, commas or semicolons, with decimal points or commas; # and %
  * start comments, and a line of names may come first and name the columns. Without one, rows are
  * `tx ty tz qx qy qz qw` or a matrix of 12 or 16 numbers by rows, with or without a stamp in front, as of

@@ -7,6 +7,7 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <functional>
 #include <optional>
@@ -51,20 +52,6 @@ Trajectory changed(const Trajectory& poses, const std::function<void(StampedPose
   std::vector<StampedPose> all = poses.poses();
   for (StampedPose& pose : all) change(pose);
   return Trajectory(std::move(all));
-}
-
-/** Nothing if the pose was lost. */
-std::optional<Eigen::Isometry3d> readPoseMatrix(const fs::path& path) {
-  const std::vector<double> numbers = numbersOf(files::readText(path), path);
-  if (numbers.size() != 16)
-    throw IoError(path.string(), fmt::format("has {} numbers instead of the 16 of a pose", numbers.size()));
-  const Eigen::Matrix4d m = Eigen::Map<const Eigen::Matrix4d>(numbers.data()).transpose();
-  if (!m.allFinite()) return {};
-  try {
-    return poseOfMatrix(m);
-  } catch (const std::invalid_argument& e) {
-    throw IoError(path.string(), std::string("its pose ") + e.what());
-  }
 }
 
 std::string lostPoses(const PoseTable& table, const fs::path& path) {
@@ -119,6 +106,27 @@ ReadPoses byIndex(const PoseTable& table, const ImageTimes& images, const fs::pa
 
 }  // namespace
 
+std::optional<Eigen::Isometry3d> readPoseOfImage(const fs::path& path) {
+  constexpr std::size_t kColumns = 7, kRows = 12, kMatrix = 16;
+  std::vector<double> numbers = numbersOf(files::readText(path), path);
+  const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+  if (numbers.size() == kRows) numbers.insert(numbers.end(), {0, 0, 0, 1});
+  try {
+    if (numbers.size() == kColumns && finite) {
+      std::array<double, kColumns> columns{};
+      std::copy(numbers.begin(), numbers.end(), columns.begin());
+      return poseOfColumns(columns);
+    }
+    if (numbers.size() == kMatrix && finite)
+      return poseOfMatrix(Eigen::Map<const Eigen::Matrix4d>(numbers.data()).transpose());
+  } catch (const std::invalid_argument& e) {
+    throw IoError(path.string(), std::string("its pose ") + e.what());
+  }
+  if (numbers.size() != kColumns && numbers.size() != kMatrix)
+    throw IoError(path.string(), fmt::format("has {} numbers instead of the 16 of a pose", numbers.size()));
+  return {};
+}
+
 ReadPoses RecordedPoses::read(const ImageTimes& images) const {
   if (!trajectory.empty()) {
     PoseTable table = readPoseTable(trajectory);
@@ -128,7 +136,7 @@ ReadPoses RecordedPoses::read(const ImageTimes& images) const {
   }
   std::vector<StampedPose> poses = listed;
   for (const PoseFile& file : of_images)
-    if (const auto T_w_c = readPoseMatrix(file.path)) poses.push_back({file.stamp, *T_w_c});
+    if (const auto T_w_c = readPoseOfImage(file.path)) poses.push_back({file.stamp, *T_w_c});
   return {Trajectory(std::move(poses)), {}};
 }
 

@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <map>
 #include <numeric>
+#include <regex>
 
 namespace facetloc::internal {
 namespace {
@@ -90,6 +92,7 @@ public:
   }
 
   RecordingLayout find() {
+    if (!images_.empty() && !images_.front().stamp) requireOneSeries();
     if (!layout_.frames.empty() &&
         !(isListed() || isSevenScenes() || isScanNet() || isIclNuim() || hasNumbers()) && !hasListBeside())
       countFrames();
@@ -104,6 +107,61 @@ public:
 
 private:
   using Kind = RecordingLayout::Kind;
+
+  /** Images of several cameras are no drive. */
+  void requireOneSeries() const {
+    std::vector<std::string> names;
+    for (const FrameFile& frame : layout_.frames) names.push_back(frame.name);
+    const std::vector<std::size_t> series = seriesInNames(names);
+    const std::size_t n = *std::max_element(series.begin(), series.end()) + 1;
+    if (n == 1) return;
+    std::string examples;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto first = std::find(series.begin(), series.end(), i) - series.begin();
+      examples +=
+          (i > 0 ? ", " : "") + layout_.frames[static_cast<std::size_t>(first)].path.filename().string();
+    }
+    throw IoError(
+        layout_.frames.front().path.parent_path().string(),
+        fmt::format("has images of {} cameras, or {} series, that begin with {}; move those of one into a "
+                    "folder, or name them in a list",
+                    n, n, examples));
+  }
+
+  void findPosesByName() {
+    findPosesBesideImages();
+    if (!layout_.poses.empty()) return;
+    if (const auto file = trajectoryIn(within_)) {
+      layout_.poses = {*file, 0, {}, {}};
+      say(fmt::format("the poses are those of {}", file->string()));
+    }
+  }
+
+  /** Files with the numbers of images in their names that have a pose each: 17_pose.txt of 17_depth.png. */
+  void findPosesBesideImages() {
+    std::map<std::string, std::map<std::string, fs::path>> kinds;  // keyed by words, then numbers
+    const fs::path folder = layout_.frames.front().path.parent_path();
+    for (const fs::path& file : files::entriesOf(folder, files::isFile)) {
+      const std::string name = file.stem().string(), numbers = numbersOf(name);
+      if (lowerExtension(file) == ".txt" && !numbers.empty())
+        kinds[std::regex_replace(name, std::regex("[0-9]+"), "#")].emplace(numbers, file);
+    }
+    for (const auto& [words, files] : kinds) {
+      std::vector<PoseFile> poses;
+      for (const FrameFile& frame : layout_.frames)
+        if (const auto file = files.find(numbersOf(frame.path.stem().string())); file != files.end())
+          poses.push_back({frame.stamp, file->second});
+      if (2 * poses.size() <= layout_.frames.size()) continue;
+      try {
+        readPoseOfImage(poses.front().path);
+      } catch (const IoError&) {
+        continue;
+      }
+      say(fmt::format("the poses are those of {} and so on", poses.front().path.filename().string()));
+      layout_.poses.of_images = std::move(poses);
+      return;
+    }
+  }
 
   void setKind(Kind kind) {
     layout_.kind = kind;
@@ -265,10 +323,7 @@ private:
     if (const auto file = findIn(beside_, kTrajectory))
       layout_.poses = {*file, 0, {}, {}};
     else if (layout_.poses.empty())
-      if (const auto other = trajectoryIn(within_)) {
-        layout_.poses = {*other, 0, {}, {}};
-        say(fmt::format("the poses are those of {}", other->string()));
-      }
+      findPosesByName();
     if (layout_.unit.counted && layout_.kind != Kind::icl_nuim) takeTimesOfPoses();
   }
 
