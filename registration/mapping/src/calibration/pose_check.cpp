@@ -300,6 +300,31 @@ std::optional<Finding> PoseCheck::finding() const {
   return found;
 }
 
+bool PoseJump::isTooFast() const {
+  constexpr double kFastest = 3, kFastestTurn = 2 * M_PI;  // [m/s, rad/s]
+  const double seconds = stamp_b - stamp_a;
+  return by_poses.translation().norm() > kFastest * seconds ||
+         rotationAngle(by_poses.linear()) > kFastestTurn * seconds;
+}
+
+Finding PoseJump::finding() const {
+  const auto words = [](const Eigen::Isometry3d& T) {
+    return fmt::format("{:.2f} m and {:.0f} deg", T.translation().norm(),
+                       rotationAngle(T.linear()) / kDegree);
+  };
+  return {
+      "poses.jump",
+      by_images && isTooFast() ? Severity::refusal : Severity::doubt,
+      fmt::format("the poses jump, or begin anew, between {:.3f} and {:.3f} s: by {}, where the images {}",
+                  stamp_a, stamp_b, words(by_poses),
+                  by_images ? "move by " + words(*by_images) : "show nothing in common"),
+      "make recordings of the parts before and after it, or let facetloc_map build --without-poses find its "
+      "own",
+      {{"translation_m", by_poses.translation().norm()},
+       {"rotation_deg", rotationAngle(by_poses.linear()) / kDegree},
+       {"seconds", stamp_b - stamp_a}}};
+}
+
 PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const PosesByTime& poses) {
   const Trial trial(motions, poses);
   PoseCheck check;

@@ -31,6 +31,12 @@ std::vector<SeenMotion> motionsOf(const CameraTrajectory& trajectory) {
   return motions;
 }
 
+/** Turn and distance of a motion, equally weighted as those of steps between images. */
+double lengthOf(const Eigen::Isometry3d& T) {
+  constexpr double kTurn = 10 * kDegree, kDistance = 0.2;  // [rad, m]
+  return rotationAngle(T.linear()) / kTurn + T.translation().norm() / kDistance;
+}
+
 /** Motions to the images 1, 2, 4, ... after one, as long as they show the same. */
 std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImage>& images,
                                     ViewBuilders& builders) {
@@ -144,6 +150,38 @@ void ImageRun::level(CameraTrajectory& trajectory) const {
   };
   for (TrajectoryPose& pose : trajectory.images) pose.T_w_c = upright(trajectory.partOf(pose)) * pose.T_w_c;
   for (Keyframe& keyframe : trajectory.keyframes) keyframe.T_w_c = upright(keyframe.part) * keyframe.T_w_c;
+}
+
+std::vector<PoseJump> ImageRun::poseJumps() const {
+  constexpr double kLonger = 5;  // times the usual step
+  constexpr std::size_t kMostTried = 8;
+  std::vector<std::pair<double, std::size_t>> steps;  // length and first image
+  for (std::size_t i = 0; i + 1 < images.size(); ++i)
+    if (images[i].T_w_c && images[i + 1].T_w_c)
+      steps.emplace_back(lengthOf(images[i].T_w_c->inverse() * *images[i + 1].T_w_c), i);
+  std::sort(steps.rbegin(), steps.rend());
+  if (steps.empty()) return {};
+  const double usual = std::max(1.0, steps[steps.size() / 2].first);
+  std::vector<PoseJump> jumps;
+  ViewBuilders builders(camera, view);
+  const auto viewOf = [&](std::size_t i) {
+    View built = builders.build(images[i]);
+    built.camera.reset();  // whatever is known of its mounting
+    return built;
+  };
+  for (std::size_t k = 0; k < std::min(steps.size(), kMostTried) && steps[k].first > kLonger * usual; ++k)
+    try {
+      const std::size_t i = steps[k].second;
+      PoseJump jump{
+          images[i].stamp, images[i + 1].stamp, images[i].T_w_c->inverse() * *images[i + 1].T_w_c, {}};
+      const Localization seen = PairRegistration(viewOf(i)).align(viewOf(i + 1));
+      if (seen.state == AnswerState::sure) jump.by_images = seen.hypotheses.front().T_m_c.T;
+      const bool contradicted =
+          jump.by_images && lengthOf(jump.by_images->inverse() * jump.by_poses) > kLonger * usual;
+      if (contradicted || (!jump.by_images && jump.isTooFast())) jumps.push_back(std::move(jump));
+    } catch (const std::exception&) {  // the image is named when it is read for the map
+    }
+  return jumps;
 }
 
 std::vector<SeenMotion> ImageRun::seenMotions() const {

@@ -58,6 +58,9 @@ struct ImageRun {
   /** \brief How the camera moved at some places of the run, by its images alone: pairs of images, of which
    * one is registered with the other and the answer is sure. Images that cannot be read are left out. */
   std::vector<SeenMotion> seenMotions() const;
+  /** \brief Steps between neighbouring images that are far longer than the others by the poses, and shorter
+   * by the images, or too fast for any camera. */
+  std::vector<PoseJump> poseJumps() const;
 };
 
 }  // namespace facetloc::internal

@@ -173,6 +173,7 @@ Findings MapFindings::list() const {
          {{"without_pose", static_cast<double>(without_pose)}, {"images", static_cast<double>(images)}}});
   if (poses)
     if (auto found = poses->finding()) all.push_back(std::move(*found));
+  for (const PoseJump& jump : jumps) all.push_back(jump.finding());
   if (trajectory) judge(*trajectory, all);
   if (distortion) judge(*distortion, trajectory.has_value(), all);
   return all;
@@ -343,6 +344,7 @@ void MapMaking::checkPoses() {
   if (!m.run.hasPoses() && !m.poses_by_time) return;
   m.findings.poses =
       internal::checkPoses(m.run.seenMotions(), m.poses_by_time ? m.poses_by_time : posesOf(m.run.images));
+  m.findings.jumps = m.run.poseJumps();
 }
 
 std::vector<MapPlace> MapMaking::places() const {

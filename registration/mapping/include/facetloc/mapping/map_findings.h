@@ -135,6 +135,18 @@ struct PoseCheck {
   std::optional<Finding> finding() const;
 };
 
+/** \brief A step of the poses between neighbouring images that the images contradict: the tracking that gave
+ * the poses was lost, and has begun anew. */
+struct PoseJump {
+  double stamp_a = 0, stamp_b = 0;  ///< times of the images before and after it [s]
+  Eigen::Isometry3d by_poses = Eigen::Isometry3d::Identity();  ///< pose of the second camera in the first
+  std::optional<Eigen::Isometry3d> by_images;                  ///< unless they show nothing in common
+
+  /** \brief Is it faster than robots and people move a camera? */
+  bool isTooFast() const;
+  Finding finding() const;
+};
+
 /** \brief Accuracy of the poses of pictures, relative to others nearby: standard deviations. */
 struct PoseAccuracy {
   double rotation_std;     ///< about each axis [rad]
@@ -164,6 +176,7 @@ struct MapFindings {
   std::size_t without_odometry = 0;              ///< images outside the time of the odometry
   std::optional<GeometryCheck> geometry;         ///< the images themselves, as far as they were checked
   std::optional<PoseCheck> poses;                ///< the given poses, as far as they were checked
+  std::vector<PoseJump> jumps;                   ///< the given poses', the largest first
   std::optional<PoseCheck> odometry;             ///< the odometry, against the trajectory from the images
   std::optional<DistortionEstimate> distortion;  ///< removed from all images only if it is reliable()
   std::optional<FoundMounting> mounting;         ///< mounting found for a camera without one
