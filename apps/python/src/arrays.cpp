@@ -65,11 +65,16 @@ DepthImage DepthArray::image(int working_width) const {
 }
 
 py::array_t<double> toArray(const Eigen::MatrixXd& matrix) {
-  py::array_t<double> array({matrix.rows(), matrix.cols()});
-  auto out = array.mutable_unchecked<2>();
-  for (Eigen::Index row = 0; row < matrix.rows(); ++row)
-    for (Eigen::Index column = 0; column < matrix.cols(); ++column) out(row, column) = matrix(row, column);
-  return array;
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = matrix;
+  return py::array_t<double>({rows.rows(), rows.cols()}, rows.data());
+}
+
+py::array_t<float> toArray(const DepthImage& image) {
+  return py::array_t<float>({image.camera.height, image.camera.width}, image.depth.data());
+}
+
+py::array_t<std::uint16_t> toArray(const LabelImage& labels) {
+  return py::array_t<std::uint16_t>({labels.height, labels.width}, labels.label.data());
 }
 
 py::array_t<double> toArray(const Eigen::Isometry3d& T) { return toArray(Eigen::MatrixXd(T.matrix())); }

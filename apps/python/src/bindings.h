@@ -44,6 +44,9 @@ private:
 py::array_t<double> toArray(const Eigen::Isometry3d& T);
 py::object toArray(const std::optional<Eigen::Isometry3d>& T);
 py::array_t<double> toArray(const Eigen::MatrixXd& matrix);
+/** \brief (height, width), metres or labels. */
+py::array_t<float> toArray(const DepthImage& image);
+py::array_t<std::uint16_t> toArray(const LabelImage& labels);
 py::array_t<double> toVector(const Eigen::Vector3d& vector);
 /** \brief Throws std::invalid_argument unless it is a rigid transform, (4, 4). */
 Eigen::Isometry3d toPose(const py::array_t<double>& T, const char* name);

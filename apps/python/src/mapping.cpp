@@ -95,14 +95,9 @@ py::dict frameOf(const Drive& drive, std::size_t index) {
     const py::gil_scoped_release others_run;
     frame = drive.camera.render(drive.world, drive.poses.at(index), index);
   }
-  const Intrinsics& k = drive.camera.camera();
-  py::array_t<float> depth({k.height, k.width});
-  std::copy(frame.depth.depth.begin(), frame.depth.depth.end(), depth.mutable_data());
-  py::array_t<std::uint16_t> labels({k.height, k.width});
-  std::copy(frame.labels.label.begin(), frame.labels.label.end(), labels.mutable_data());
   py::dict out;
-  out["depth"] = depth;
-  out["labels"] = labels;
+  out["depth"] = toArray(frame.depth);
+  out["labels"] = toArray(frame.labels);
   out["T_w_c"] = toArray(drive.poses.at(index));
   return out;
 }

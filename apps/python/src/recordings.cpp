@@ -34,28 +34,20 @@ CameraPtr pinhole(const CameraFile& stored) {
   return camera;
 }
 
-py::array_t<float> toArray(const DepthImage& image) {
-  py::array_t<float> array({image.camera.height, image.camera.width});
-  std::copy(image.depth.begin(), image.depth.end(), array.mutable_data());
-  return array;
-}
-
 py::array_t<double> hullOf(const Segment& segment) {
-  py::array_t<double> array({segment.hull.size, 3});
-  auto out = array.mutable_unchecked<2>();
+  Eigen::MatrixXd corners(segment.hull.size, 3);
   for (int i = 0; i < segment.hull.size; ++i) {
     const Eigen::Vector2d at = segment.hull.vertex[static_cast<std::size_t>(i)].cast<double>();
-    const Eigen::Vector3d p = segment.t + segment.R * Eigen::Vector3d(at.x(), at.y(), 0);
-    for (int k = 0; k < 3; ++k) out(i, k) = p[k];
+    corners.row(i) = (segment.t + segment.R * Eigen::Vector3d(at.x(), at.y(), 0)).transpose();
   }
-  return array;
+  return toArray(corners);
 }
 
 py::dict toDict(const Segment& segment) {
   py::dict out;
-  out["R"] = python::toArray(Eigen::MatrixXd(segment.R));
+  out["R"] = toArray(Eigen::MatrixXd(segment.R));
   out["t"] = toVector(segment.t);
-  out["covariance"] = python::toArray(Eigen::MatrixXd(segment.Sigma_q));
+  out["covariance"] = toArray(Eigen::MatrixXd(segment.Sigma_q));
   out["num_points"] = segment.num_points;
   out["area"] = segment.area();
   out["hull"] = hullOf(segment);
@@ -73,15 +65,13 @@ py::tuple segmented(const py::array& depth, const CameraPtr& camera, int width) 
     view = builder.build(array.image(width));
     labels = builder.segmentation().labels;
   }
-  py::array_t<std::uint16_t> label({labels.height, labels.width});
-  std::copy(labels.label.begin(), labels.label.end(), label.mutable_data());
   py::list segments;
   for (const Segment& segment : view.segments) segments.append(toDict(segment));
-  return py::make_tuple(label, segments);
+  return py::make_tuple(toArray(labels), segments);
 }
 
 py::object truth(const DepthSequence& sequence, std::size_t index) {
-  return python::toArray(sequence.groundTruth().at(sequence.frames().at(index).stamp));
+  return toArray(sequence.groundTruth().at(sequence.frames().at(index).stamp));
 }
 
 py::array_t<float> depthOf(const DepthSequence& sequence, std::size_t index, int width) {
@@ -134,7 +124,7 @@ void addRecordings(py::module_& module) {
       .def_property_readonly("cy", [](const CameraFile& c) { return c.camera.intrinsics.cy; })
       .def_readonly("depth_scale", &CameraFile::depth_scale)
       .def_property_readonly("T_b_c", [](const CameraFile& c) {
-        return c.camera.mounting ? py::object(python::toArray(c.camera.mounting->T_b_c())) : py::none();
+        return c.camera.mounting ? py::object(toArray(c.camera.mounting->T_b_c())) : py::none();
       });
   module.def("segment", &segmented, py::arg("depth"), py::arg("camera"), py::arg("width"));
 
