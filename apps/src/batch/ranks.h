@@ -12,16 +12,10 @@
 namespace facetloc {
 
 /** \brief Another process of the job has failed. */
-class RankFailed : public std::runtime_error {
-public:
-  RankFailed(int rank, int code, const std::string& what)
-      : std::runtime_error(what), rank_(rank), code_(code) {}
-  int rank() const { return rank_; }
-  int code() const { return code_; }
-
-private:
-  int rank_;
-  int code_;
+struct RankFailed : std::runtime_error {
+  RankFailed(int of_rank, int exit_code, const std::string& what)
+      : std::runtime_error(what), rank(of_rank), code(exit_code) {}
+  int rank, code;
 };
 
 /** \brief The processes of an mpirun job, numbered from 0, as App and SharedBatch see them. A process that

@@ -23,7 +23,7 @@ void writeAtOnce(std::ostream& out, const std::string& text) {
 void Console::print(const std::string& text) const { writeAtOnce(out, text); }
 
 void Console::note(const std::string& text) const {
-  if (!quiet) error(text);
+  if (!quiet && !text.empty()) error(text);
 }
 
 void Console::find(const Finding& finding) const {
@@ -54,9 +54,9 @@ int App::run(const std::vector<std::string>& arguments, Console console) {
     Ranks::here().leave();
     return code;
   } catch (const RankFailed& e) {
-    code = e.code();
+    code = e.code;
     what = e.what();
-    console.tool += fmt::format(" (rank {})", e.rank());
+    console.tool += fmt::format(" (rank {})", e.rank);
   } catch (const UsageError& e) {
     code = kUsage;
     what = fmt::format("{}\nTry '{} --help'.", e.what(), name_);
@@ -80,17 +80,12 @@ int App::runInJob(const std::vector<std::string>& arguments, Console& console) {
   return kOk;
 }
 
-/** A person at a terminal sees after a second that work goes on, whatever it is. */
-int App::executeWatched(const CommandLine& line, const Console& console) {
-  if (!console.terminal || console.quiet || console.watched || showsWork())
-    return executeUntilStopped(line, console);
+/** A person at a terminal sees after a second that work goes on, whatever it is; after Ctrl-C in a tool that
+ * can go on, how. */
+int App::executeWatched(const CommandLine& line, const Console& console) try {
+  if (!console.terminal || console.quiet || console.watched || showsWork()) return execute(line, console);
   const Heartbeat heartbeat(console, name_);
-  return executeUntilStopped(line, heartbeat.console());
-}
-
-/** Ctrl-C in a tool that can go on: the message says how. */
-int App::executeUntilStopped(const CommandLine& line, const Console& console) try {
-  return execute(line, console);
+  return execute(line, heartbeat.console());
 } catch (const Stopped& e) {
   if (!line.has("resume")) throw;
   throw std::runtime_error(fmt::format("{}; the same command with --resume goes on from there", e.what()));

@@ -27,7 +27,7 @@ struct Console {
 
   /** \brief Results on out. */
   void print(const std::string& text) const;
-  /** \brief A remark on err, unless quiet. */
+  /** \brief A remark on err, unless it is empty or quiet. */
   void note(const std::string& text) const;
   /** \brief Keeps a finding in the list, and remarks it on err, unless quiet. */
   void find(const Finding& finding) const;
@@ -59,9 +59,7 @@ protected:
   virtual void addOptions(CommandLine& line) = 0;
   /** \brief Does the work; the last line on console.out says where the results are. */
   virtual int execute(const CommandLine& line, const Console& console) = 0;
-  /** \brief Is the work, with the options that were given, a SharedBatch, which several processes may do
-   * together?
-   */
+  /** \brief Is the work, with the options that were given, a SharedBatch, for one or several processes? */
   virtual bool dealsOut() const { return false; }
   /** \brief Does the tool itself show that work goes on? Otherwise a Heartbeat does, on a terminal. */
   virtual bool showsWork() const { return false; }
@@ -73,7 +71,6 @@ private:
   int runInJob(const std::vector<std::string>& arguments, Console& console);
   int parseAndExecute(const std::vector<std::string>& arguments, Console& console);
   int executeWatched(const CommandLine& line, const Console& console);
-  int executeUntilStopped(const CommandLine& line, const Console& console);
 
   std::string name_;
   std::string synopsis_;

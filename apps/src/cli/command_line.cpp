@@ -122,6 +122,10 @@ CommandLine::Semantic* CommandLine::bound(std::string& value, const std::string&
   return po::value(&value)->value_name(value_name);
 }
 
+CommandLine::Semantic* CommandLine::bound(bool& value, const std::string& value_name) {
+  return po::value(&value)->value_name(value_name)->default_value(value, value ? "1" : "0");
+}
+
 CommandLine::Semantic* CommandLine::bound(double& value, const std::string& value_name) {
   return po::value(&value)->value_name(value_name)->default_value(value, fmt::format("{:g}", value));
 }
@@ -146,21 +150,6 @@ CommandLine::Options& CommandLine::groupOf(const ParamInfo& info, Shown shown) {
     if (group.title == title && group.shown == shown) return *group.options;
   declared_->groups.push_back({title, shown, std::make_unique<Options>(title, kHelpWidth)});
   return *declared_->groups.back().options;
-}
-
-void CommandLine::addParameter(Options& group, const std::string& name, bool& value,
-                               const std::string& help) {
-  add(group, name, po::value(&value)->value_name("BOOL")->default_value(value, value ? "1" : "0"), help,
-      Needs::Either);
-}
-
-void CommandLine::addParameter(Options& group, const std::string& name, double& value,
-                               const std::string& help) {
-  add(group, name, bound(value, "NUMBER"), help);
-}
-
-void CommandLine::addParameter(Options& group, const std::string& name, int& value, const std::string& help) {
-  add(group, name, bound(value, "INTEGER"), help);
 }
 
 void CommandLine::addChoice(Options& group, const std::string& name, const std::string& value,
@@ -263,12 +252,6 @@ std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::
   return arguments;
 }
 
-std::vector<std::string> CommandLine::readFile(const std::string& path) const {
-  std::ifstream in(path);
-  if (!in || std::filesystem::is_directory(path)) throw UsageError(path + ": cannot be read");
-  return parametersIn(in, path, Unknown::refused);
-}
-
 /** Values that are stored already are kept. */
 void CommandLine::storeFrom(const std::string& path, const std::vector<std::string>& arguments) try {
   store(arguments);
@@ -278,8 +261,7 @@ void CommandLine::storeFrom(const std::string& path, const std::vector<std::stri
 
 void CommandLine::store(const std::vector<std::string>& arguments) {
   using namespace po::command_line_style;
-  for (const std::string& argument :
-       arguments)  // Boost would replace the value of such an argument without end
+  for (const std::string& argument : arguments)  // Boost would replace such a value without end
     if (argument.find("%value%") != std::string::npos)
       throw po::error(fmt::format("'{}' cannot be an argument", argument));
   Options all;
@@ -300,14 +282,18 @@ bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream&
   if (declared_->values["version"].as<bool>()) return out << versionText() << "\n", false;
   if (declared_->values.count("params")) {
     const std::string path = declared_->values["params"].as<std::string>();
-    storeFrom(path, readFile(path));
+    std::ifstream in(path);
+    if (!in || std::filesystem::is_directory(path)) throw UsageError(path + ": cannot be read");
+    storeFrom(path, parametersIn(in, path, Unknown::refused));
   }
   if (declared_->values.count("preset")) {
     const std::string name = declared_->values["preset"].as<std::string>();
     std::istringstream text(presetText(name));
     storeFrom("preset " + name, parametersIn(text, name, Unknown::skipped));
   }
-  requireArguments();
+  for (const Argument& argument : arguments_)
+    if (argument.required && !declared_->values.count(argument.name))
+      throw UsageError(argument.name + " is missing");
   po::notify(declared_->values);
   for (const auto& check : checks_) check();
   return true;
@@ -319,26 +305,11 @@ bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream&
   throw UsageError(e.what());
 }
 
-void CommandLine::requireArguments() const {
-  for (const Argument& argument : arguments_)
-    if (argument.required && !declared_->values.count(argument.name))
-      throw UsageError(argument.name + " is missing");
-}
-
 bool CommandLine::has(const std::string& name) const { return find(name) != nullptr; }
 
 bool CommandLine::given(const std::string& name) const {
   const Option* option = find(name);
   return option && declared_->values.count(option->name) && !declared_->values[option->name].defaulted();
-}
-
-void CommandLine::printExamples(std::ostream& out) const {
-  if (examples_.empty()) return;
-  std::size_t width = 0;
-  for (const auto& [arguments, what] : examples_) width = std::max(width, arguments.size());
-  out << "\nExamples:\n";
-  for (const auto& [arguments, what] : examples_)
-    out << fmt::format("  {} {:{}}  # {}\n", tool_, arguments, width, what);
 }
 
 void CommandLine::printHelp(std::ostream& out, bool all) const {
@@ -360,7 +331,11 @@ void CommandLine::printHelp(std::ostream& out, bool all) const {
         parameters << "\n" << *group.options;
   out << parameters.str();
   if (parameters.str().find("[nats]") != std::string::npos) out << "\n" << wrapped(kNats);
-  printExamples(out);
+  std::size_t width = 0;
+  for (const auto& [arguments, what] : examples_) width = std::max(width, arguments.size());
+  if (!examples_.empty()) out << "\nExamples:\n";
+  for (const auto& [arguments, what] : examples_)
+    out << fmt::format("  {} {:{}}  # {}\n", tool_, arguments, width, what);
 }
 
 }  // namespace facetloc

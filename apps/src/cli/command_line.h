@@ -47,8 +47,7 @@ public:
   /** \brief The last argument, of which there is at least one. */
   void addArguments(const std::string& name, std::vector<std::string>& values);
 
-  /** \brief An option with a value; "name,n" gives it a short form. Strings are shown without their default.
-   */
+  /** \brief An option with a value; "name,n" gives it a short form. Defaults of strings are not shown. */
   template <class T>
   void addOption(const std::string& name, T& value, const std::string& value_name, const std::string& help) {
     add(common(), name, bound(value, value_name), help);
@@ -92,12 +91,24 @@ public:
 
   /** \brief True if the option was given, be it on the command line or in the file of --params. */
   bool given(const std::string& name) const;
+  /** \brief Takes over those fields of a group of numbers, options of addParams(), that were given. */
+  template <class Params>
+  void takeGiven(Params& params, const Params& options, const std::string& name) const {
+    std::map<std::string, double> values;
+    forEachParam(
+        options, [&](const ParamInfo& info, double value, auto...) { values[info.name] = value; }, name);
+    forEachParam(
+        params,
+        [&](const ParamInfo& info, double& value, auto...) {
+          if (given(info.name)) value = values[info.name];
+        },
+        name);
+  }
   /** \brief Does the tool know such an option? */
   bool has(const std::string& name) const;
   /** \brief The file of --params; empty = none. */
   const std::string& paramsFile() const { return params_file_; }
   void printHelp(std::ostream& out, bool all) const;
-  void printExamples(std::ostream& out) const;
 
 private:
   using Options = boost::program_options::options_description;
@@ -115,15 +126,22 @@ private:
   };
 
   static Semantic* bound(std::string& value, const std::string& value_name);
+  static Semantic* bound(bool& value, const std::string& value_name);
   static Semantic* bound(double& value, const std::string& value_name);
   static Semantic* bound(int& value, const std::string& value_name);
   void add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,
            Needs needs = Needs::Value);
   Options& common();
   Options& groupOf(const ParamInfo& info, Shown shown);
-  void addParameter(Options& group, const std::string& name, bool& value, const std::string& help);
-  void addParameter(Options& group, const std::string& name, double& value, const std::string& help);
-  void addParameter(Options& group, const std::string& name, int& value, const std::string& help);
+  void addParameter(Options& group, const std::string& name, bool& value, const std::string& help) {
+    add(group, name, bound(value, "BOOL"), help, Needs::Either);
+  }
+  void addParameter(Options& group, const std::string& name, double& value, const std::string& help) {
+    add(group, name, bound(value, "NUMBER"), help);
+  }
+  void addParameter(Options& group, const std::string& name, int& value, const std::string& help) {
+    add(group, name, bound(value, "INTEGER"), help);
+  }
   template <class Choice>
   std::enable_if_t<std::is_enum_v<Choice>> addParameter(Options& group, const std::string& name,
                                                         Choice& value, const std::string& help) {
@@ -143,10 +161,8 @@ private:
   std::vector<std::string> spelledOut(const std::vector<std::string>& arguments) const;
   enum class Unknown { refused, skipped };
   std::vector<std::string> parametersIn(std::istream& in, const std::string& path, Unknown unknown) const;
-  std::vector<std::string> readFile(const std::string& path) const;
   void storeFrom(const std::string& path, const std::vector<std::string>& arguments);
   void store(const std::vector<std::string>& arguments);
-  void requireArguments() const;
 
   std::string tool_;
   std::string synopsis_;

@@ -10,11 +10,6 @@
 #include <thread>
 
 namespace facetloc {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-}  // namespace
 
 /** The thread that speaks when nothing is printed. */
 class Heartbeat::Watch {
@@ -42,6 +37,8 @@ public:
   }
 
 private:
+  using Clock = std::chrono::steady_clock;
+
   void watch() {
     const auto silence = console_.terminal ? std::chrono::seconds(1) : std::chrono::seconds(2);
     std::unique_lock<std::mutex> lock(mutex_);

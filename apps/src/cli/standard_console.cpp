@@ -65,8 +65,7 @@ private:
   std::array<char, 1 << 16> buffer_;
 };
 
-/** Without this, the next file to be opened would take the number of a closed stream, and receive the output.
- */
+/** Without this, the next file to be opened would take a closed stream's number, and receive its output. */
 void openClosedStreams() {
   while (true) {
     const int number = open("/dev/null", O_RDWR);

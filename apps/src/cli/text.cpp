@@ -16,21 +16,14 @@ std::size_t displayWidth(const std::string& text) {
 
 std::string printable(std::string_view text) {
   // Those of ASCII, and those that UTF-8 writes as C2 80 to C2 9F.
-  constexpr const char* kDigits = "0123456789abcdef";
   const auto isControl = [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F; };
   std::string shown;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
+    auto c = static_cast<unsigned char>(text[i]);
     const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
-    if (c != 0xC2 || next < 0x80 || next > 0x9F) {
-      if (isControl(c))
-        shown.append("\\x").append(1, kDigits[c >> 4]).append(1, kDigits[c & 15]);
-      else
-        shown += text[i];
-      continue;
-    }
-    shown.append("\\x").append(1, kDigits[next >> 4]).append(1, kDigits[next & 15]);
-    ++i;
+    const bool is_pair = c == 0xC2 && next >= 0x80 && next <= 0x9F;
+    if (is_pair) c = next, ++i;
+    shown += is_pair || isControl(c) ? fmt::format("\\x{:02x}", c) : std::string(1, text[i]);
   }
   return shown;
 }

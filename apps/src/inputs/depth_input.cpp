@@ -59,15 +59,7 @@ void addRecordingOptions(CommandLine& line, RecordingHints& recording) {
 Camera DepthInput::camera(const std::optional<CameraFile>& file, const CommandLine& line) const {
   Camera camera;
   if (file) camera = file->camera;
-  const auto take = [&](const char* name, double SensorNoise::*value) {
-    if (line.given(name)) camera.noise.*value = noise.*value;
-  };
-  take("noise.inverse_depth_std", &SensorNoise::inverse_depth_std);
-  take("noise.distortion_offset", &SensorNoise::distortion_offset);
-  take("noise.distortion_slope", &SensorNoise::distortion_slope);
-  take("noise.depth_std", &SensorNoise::depth_std);
-  take("noise.depth_std_slope", &SensorNoise::depth_std_slope);
-  take("noise.correlation_px", &SensorNoise::correlation_px);
+  line.takeGiven(camera.noise, noise, "noise");
   return camera;
 }
 
@@ -93,13 +85,14 @@ View viewOf(const DepthSequence& sequence, std::size_t index, int working_width,
   return view;
 }
 
-void noteUnfinished(const Map& map, const std::string& path, const Console& console) {
+Map noteUnfinished(Map map, const std::string& path, const Console& console) {
   const auto state = map.meta.find(kStateKey);
   if (state != map.meta.end() && state->second == kUnderWay)
     console.find({"map.unfinished", Severity::doubt,
                   fmt::format("{}: its build has not ended, or was interrupted: it has {} so far", path,
                               counted(map.models.size(), "local model")),
                   "facetloc_map build --resume goes on"});
+  return map;
 }
 
 void noteDifference(const Camera& of_images, const Map& map, const Console& console) {

@@ -41,8 +41,8 @@ DepthSequence openSequence(const std::string& path, const RecordingHints& hints,
 View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder,
             const std::optional<Gravity>& gravity = {});
 
-/** \brief A remark if the build of the map at that path has not ended. */
-void noteUnfinished(const Map& map, const std::string& path, const Console& console);
+/** \brief The map at that path, with a remark if its build has not ended. */
+Map noteUnfinished(Map map, const std::string& path, const Console& console);
 
 /** \brief Prints how the camera of the images differs from the map's. */
 void noteDifference(const Camera& of_images, const Map& map, const Console& console);

@@ -14,11 +14,6 @@ namespace {
 
 constexpr const char* kIgnored = "none";  // Instead of a file name: ignores gravity in the recording.
 
-/** 1 to 3: x, y, z; negative: the other direction. */
-Eigen::Vector3d axisOf(int number) {
-  return (number < 0 ? -1 : 1) * Eigen::Vector3d::Unit(std::abs(number) - 1);
-}
-
 }  // namespace
 
 void GravityOption::addOptions(CommandLine& line) {
@@ -35,7 +30,7 @@ void GravityOption::read(const DepthSequence& sequence, const Console& console) 
   if (file_.empty()) {
     std::string remark;
     record_ = sequence.gravity(params_.std_deg * kDegree, &remark);
-    if (!remark.empty()) console.note(remark);
+    console.note(remark);
   } else {
     readFile(sequence);
   }
@@ -55,11 +50,10 @@ void GravityOption::readFile(const DepthSequence& sequence) {
   } else {
     const Trajectory poses = sequence.readPoses(file_);
     if (poses.empty()) throw IoError(file_, "has no poses at the times of the images");
-    record_ = gravityOf(poses, axisOf(params_.up), params_.std_deg * kDegree);
+    const Eigen::Vector3d up = (params_.up < 0 ? -1 : 1) * Eigen::Vector3d::Unit(std::abs(params_.up) - 1);
+    record_ = gravityOf(poses, up, params_.std_deg * kDegree);
   }
 }
-
-std::optional<Gravity> GravityOption::at(double stamp) const { return record_.at(stamp); }
 
 std::string GravityOption::toIni() const {
   if (file_.empty() && record_.empty()) return {};

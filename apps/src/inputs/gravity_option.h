@@ -38,7 +38,7 @@ public:
    * images that have none. Throws IoError. */
   void read(const DepthSequence& sequence, const Console& console);
   /** \brief At the time of an image [s]; nothing without a source, or where it has a gap. */
-  std::optional<Gravity> at(double stamp) const;
+  std::optional<Gravity> at(double stamp) const { return record_.at(stamp); }
   /** \brief As they are recorded beside maps and results; empty without gravity. */
   std::string toIni() const;
 

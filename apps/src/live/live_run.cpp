@@ -64,8 +64,7 @@ public:
   LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console)
       : options_(options), algorithms_(std::move(algorithms)), console_(console), status_(console) {
     if (!options_.map.empty()) {
-      map_ = std::make_shared<const Map>(openMap(options_.map));
-      noteUnfinished(*map_, options_.map, console_);
+      map_ = std::make_shared<const Map>(noteUnfinished(openMap(options_.map), options_.map, console_));
       algorithms_.session.min_probability = minProbabilityOf(*map_);
     }
     if (algorithms_.min_probability) algorithms_.session.min_probability = *algorithms_.min_probability;
@@ -128,6 +127,11 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
+
+  void note(const std::string& text) {
+    status_.clear();
+    console_.note(text);
+  }
 
   /** Once for each time that something is missing. */
   void tellThatItWaits(const std::string& cause) {
@@ -251,9 +255,7 @@ private:
                                              [this](const LiveResultPtr& result) { receive(result); });
   }
 
-  /** Called by the processing thread: writes data that must not be lost, leaves the rest to a thread that has
-   * time.
-   */
+  /** Called by the processing thread: writes data that must not be lost, leaves the rest to others. */
   void receive(const LiveResultPtr& result) {
     if (extension_) extension_->put(*result);
     if (results_ || stream_ || remembered_) {
@@ -264,12 +266,8 @@ private:
     }
     newest_.put(result);
     const bool its_turn = (result->number - 1) % static_cast<std::uint64_t>(options_.every) == 0;
-    if (!options_.screenshots.empty() && its_turn) {
-      if (source_->isFile())
-        to_draw_.putInTurn(result);
-      else
-        to_draw_.put(result);
-    }
+    if (!options_.screenshots.empty() && its_turn)
+      source_->isFile() ? to_draw_.putInTurn(result) : to_draw_.put(result);
     source_->next();
   }
 
@@ -306,9 +304,7 @@ private:
     const std::string cause = source_->lastError();
     if (sourceEnded() && session_->mailbox().counts().received == 0)
       throw IoError(source_->name(), "ended without a frame" + (cause.empty() ? "" : ": " + cause));
-    if (cause.empty()) return;
-    status_.clear();
-    console_.note(fmt::format("{}: frames are missing: {}", source_->name(), cause));
+    if (!cause.empty()) note(fmt::format("{}: frames are missing: {}", source_->name(), cause));
   }
 
   void loop() {
@@ -328,10 +324,7 @@ private:
 
   void tellFaultsOfRobot() {
     if (!odometry_) return;
-    for (std::string fault = odometry_->fault(); !fault.empty(); fault = odometry_->fault()) {
-      status_.clear();
-      console_.note(fault);
-    }
+    for (std::string fault = odometry_->fault(); !fault.empty(); fault = odometry_->fault()) note(fault);
   }
 
   void tick() {
@@ -386,8 +379,7 @@ private:
       if (shown_) {
         const fs::path path = fs::path(options_.screenshots) / ("live_" + shown_->image.name + ".png");
         drawScreenshot(*shown_, path);
-        status_.clear();
-        console_.note("screenshot " + path.string());
+        note("screenshot " + path.string());
       }
       break;
     case LiveCommand::record:
@@ -419,8 +411,7 @@ private:
     if (!recorder_) return;
     const std::unique_ptr<OniRecorder> recorder = std::move(recorder_);
     const std::size_t frames = recorder->stop();
-    status_.clear();
-    console_.note(counted(frames, "frame") + " recorded" + (frames ? " to " + recording_.string() : ""));
+    note(counted(frames, "frame") + " recorded" + (frames ? " to " + recording_.string() : ""));
   }
 
   const LiveRunOptions options_;

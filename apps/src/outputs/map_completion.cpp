@@ -65,12 +65,14 @@ OutputLock lockTarget(const fs::path& map, bool may_replace) {
   return lock;
 }
 
-void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
-                 const std::function<const Map&()>& make) {
+Map writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
+                const std::function<Map()>& make) {
   if (path.empty()) throw UsageError("the map to write is missing: -o OUT.flmap");
   const OutputLock lock = lockTarget(path, overwrite);
-  writeMap(path, make());
+  Map map = make();
+  writeMap(path, map);
   completeMap(path, threads, console);
+  return map;
 }
 
 std::vector<std::string> placeIndexFaults(const fs::path& path) try {

@@ -52,13 +52,12 @@ private:
 void completeMap(const std::filesystem::path& map, int threads, const Console& console,
                  bool mounting = false);
 
-/** \brief Writes a map that was not there, with all that it is asked for when it is opened. Throws UsageError
- * without a path, IoError. \param make is called once it is clear that the map can be written */
-void writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
-                 const std::function<const Map&()>& make);
+/** \brief Makes and writes a map that was not there, with all that it is asked for when it is opened. Throws
+ * UsageError without a path, IoError. \param make is called once it is clear that the map can be written */
+Map writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
+                const std::function<Map()>& make);
 
-/** \brief Locks the file that a map is to be written to. Throws IoError if it exists and may not be replaced.
- */
+/** \brief Locks the file that a map is written to. Throws IoError if it exists and may not be replaced. */
 OutputLock lockTarget(const std::filesystem::path& map, bool may_replace);
 
 /** \brief Writes a map in the place of one that was there, which stays as it was until the new one is

@@ -47,9 +47,7 @@ bool inDoubt(const Findings& findings) { return firstOf(findings, Severity::doub
 bool isRefused(const Findings& findings) { return firstOf(findings, Severity::refusal) != nullptr; }
 
 void line(const Console& console, const std::string& title, const std::string& words) {
-  constexpr std::size_t kTitleWidth = 10;
-  console.out << title << std::string(kTitleWidth - std::min(kTitleWidth, title.size()), ' ') << words
-              << "\n";
+  console.out << fmt::format("{:10}{}\n", title, words);
 }
 
 std::string toString(const Intrinsics& k) {

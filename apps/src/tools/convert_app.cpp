@@ -100,12 +100,12 @@ private:
     std::string remark;
     try {
       write("odometry.txt", sequence.readOdometry(input_, &remark));
-      if (!remark.empty()) console.note(remark);
+      console.note(remark);
     } catch (const IoError& e) {
       console.note(e.what());
     }
     const GravityRecord gravity = sequence.gravity(kDegree, &remark);
-    if (!remark.empty()) console.note(remark);
+    console.note(remark);
     if (gravity.empty()) return;
     writeGravity(fs::path(folder_) / "gravity.txt", gravity.samples());
     console.out << ", gravity.txt";

@@ -5,6 +5,7 @@
 #include "cli/text.h"
 #include "inputs/robot_line.h"
 
+#include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 
 #include <algorithm>
@@ -48,7 +49,7 @@ std::vector<StampedPose> readPoses(const std::string& file, const DepthSequence&
                                    const std::optional<CameraMounting>& mounting, const Console& console) {
   std::string remark;
   std::vector<StampedPose> poses = sequence.readOdometry(file, &remark).poses();
-  if (!remark.empty()) console.note(remark);
+  console.note(remark);
   if (mounting)
     for (StampedPose& pose : poses) pose.T_w_c = pose.T_w_c * mounting->T_b_c();
   return poses;

@@ -41,9 +41,8 @@ public:
 
   /** \brief The odometry that is given, in the axes of the camera; empty without one. Throws IoError. */
   PosesByTime odometry(const DepthSequence& sequence, const Camera& camera, const Console& console) const;
-  /** \brief Reports the obstacles to a trajectory from images. \return kFailed if images could not be
-   * read. Throws IoError if no image can be read, and for an odometry that does not belong to the
-   * images. */
+  /** \brief Reports the obstacles to a trajectory from images. \return kFailed if images could not be read.
+   * Throws IoError if no image can be read, and for an odometry that does not belong to the images. */
   int report(const MapFindings& findings, const DepthSequence& sequence, const Console& console) const;
 
 private:

@@ -416,8 +416,7 @@ private:
     if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
     input_.recording.segments = true;
     DepthSequence sequence = openSequence(input_path_, input_.recording, console);
-    const auto map = std::make_shared<const Map>(openMap(map_));
-    noteUnfinished(*map, map_, console);
+    const auto map = std::make_shared<const Map>(noteUnfinished(openMap(map_), map_, console));
     if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
     const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
     noteDifference(camera, *map, console);

@@ -161,10 +161,6 @@ void printMeta(std::ostream& out, const Map& map, bool all) {
   }
 }
 
-std::string toString(const Eigen::Isometry3d& T) {
-  return fmt::format("{:.2f} m and {:.1f} deg", T.translation().norm(), rotationAngle(T.linear()) / kDegree);
-}
-
 std::optional<DepthDistortion::Values> distortionOf(const Map& map) {
   return map.camera.distortion ? std::optional(map.camera.distortion->values()) : std::nullopt;
 }
@@ -340,14 +336,11 @@ private:
 
   int execute(const CommandLine&, const Console& console) override {
     if (graph_.empty()) throw UsageError("the file with the poses is missing: --g2o FILE");
-    Map map;
-    const auto made = [&]() -> const Map& {
-      map = readMap(map_);
-      noteUnfinished(map, map_, console);
-      readGraphPoses(graph_, map);
-      return map;
-    };
-    writeNewMap(output_, overwrite_, threads(), console, made);
+    const Map map = writeNewMap(output_, overwrite_, threads(), console, [&] {
+      Map moved = noteUnfinished(readMap(map_), map_, console);
+      readGraphPoses(graph_, moved);
+      return moved;
+    });
     const auto posed = std::count_if(map.models.begin(), map.models.end(),
                                      [](const LocalModel& m) { return m.givenPose().has_value(); });
     console.out << counted(static_cast<std::size_t>(posed), "pose") << " of "
@@ -381,11 +374,7 @@ private:
   }
 
   int execute(const CommandLine&, const Console& console) override {
-    Map merged;
-    writeNewMap(output_, overwrite_, threads(), console, [&]() -> const Map& {
-      merged = merge(console);
-      return merged;
-    });
+    const Map merged = writeNewMap(output_, overwrite_, threads(), console, [&] { return merge(console); });
     console.out << counted(merged.models.size(), "local model") << ", "
                 << counted(merged.links.size(), "link") << "; map in " << output_ << "\n";
     return kOk;
@@ -408,9 +397,12 @@ private:
                                   tried));
       }
       const auto& [k, place] = alignment.tried.back();
+      const Eigen::Isometry3d& T = alignment.T_new_old;
       console.out << fmt::format("{} is found in {} ({}) and {}\n", maps_[i], maps_[k], place.toString(),
-                                 alignment.moved ? "moves by " + toString(alignment.T_new_old)
-                                                 : "stays where it is");
+                                 alignment.moved
+                                     ? fmt::format("moves by {:.2f} m and {:.1f} deg", T.translation().norm(),
+                                                   rotationAngle(T.linear()) / kDegree)
+                                     : "stays where it is");
     }
   }
 
@@ -418,8 +410,7 @@ private:
     std::vector<Map> maps;
     std::vector<std::string> stems;
     for (const std::string& path : maps_) {
-      Map& map = maps.emplace_back(readMap(path));
-      noteUnfinished(map, path, console);
+      Map& map = maps.emplace_back(noteUnfinished(readMap(path), path, console));
       for (const char* key : {"format", "conventions", kImagesKey})
         map.meta.erase(key);  // set by the file itself
       stems.push_back(fs::path(path).stem().string());

@@ -193,8 +193,7 @@ private:
     const std::string& path = inputs_[0];
     if (!fs::is_regular_file(path)) throw IoError(path, "is not there");
     const OutputLock lock = OutputLock::ofFile(path);
-    const auto map = std::make_shared<const Map>(openMap(path));
-    noteUnfinished(*map, path, console);
+    const auto map = std::make_shared<const Map>(noteUnfinished(openMap(path), path, console));
     if (map->models.empty()) throw IoError(path, "has no local models");
     SureCalibration calibration(alpha_, confidence_);
     const int code = ask(map, line, calibration, console);

@@ -54,8 +54,7 @@ private:
     const std::string target = output_.empty() ? map_ : output_;
     if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
     const OutputLock lock = lockTarget(target, output_.empty() || overwrite_);
-    Map map = readMap(map_);
-    noteUnfinished(map, map_, console);
+    Map map = noteUnfinished(readMap(map_), map_, console);
     MapWatch watch(console);
     const Densification done = densify(map, params_, view_, threads(), watch.callback());
     if (done.driven == 0)

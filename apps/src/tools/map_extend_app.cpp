@@ -146,8 +146,7 @@ private:
     const std::string target = output_.empty() ? map_ : output_;
     if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
     const OutputLock lock = lockTarget(target, output_.empty() || overwrite_);
-    const auto map = std::make_shared<const Map>(readMap(map_));
-    noteUnfinished(*map, map_, console);
+    const auto map = std::make_shared<const Map>(noteUnfinished(readMap(map_), map_, console));
     if (!hasGivenPose(*map)) throw IoError(map_, "cannot be extended: no local model has a pose");
     const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
     const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));

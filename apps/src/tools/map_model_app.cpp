@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& console) {
   std::string remark;
   std::vector<Eigen::Isometry3d> poses = posesOf(readTrajectory(path, &remark));
-  if (!remark.empty()) console.note(remark);
+  console.note(remark);
   if (poses.empty()) throw IoError(path, "has no poses");
   return poses;
 }
@@ -187,10 +187,7 @@ private:
                        const Console& console) const {
     const std::optional<Eigen::Vector3d> named = viewpoints_.empty() ? directionOf(up_) : std::nullopt;
     const std::optional<Eigen::Vector3d> up = named ? named : orientation.up();
-    if (const std::string remark =
-            unitRemark(units_, orientation, bounds, up.value_or(Eigen::Vector3d::UnitZ()));
-        !remark.empty())
-      console.note(remark);
+    console.note(unitRemark(units_, orientation, bounds, up.value_or(Eigen::Vector3d::UnitZ())));
     if (!viewpoints_.empty()) return;
     if (!named && !up)
       throw IoError(model_,
@@ -201,8 +198,7 @@ private:
           "nothing in it distinguishes its floors from its ceilings: if {} is down, name the upward "
           "direction with --up={}",
           toOption(*up), toOption(-*up)));
-    if (const std::string remark = named ? upRemark(orientation, *named) : std::string(); !remark.empty())
-      console.note(remark);
+    if (named) console.note(upRemark(orientation, *named));
   }
 
   Map make(const Console& console) const {
@@ -241,11 +237,7 @@ private:
   int execute(const CommandLine&, const Console& console) override {
     std::optional<DrawnMap> plan;
     if (!plan_.empty()) plan.emplace(plan_);
-    Map map;
-    writeNewMap(map_, overwrite_, threads(), console, [&]() -> const Map& {
-      map = make(console);
-      return map;
-    });
+    const Map map = writeNewMap(map_, overwrite_, threads(), console, [&] { return make(console); });
     if (plan) plan->draw(map_);
     console.out << counted(map.models.size(), "local model") << "; map in " << map_ << "\n";
     return kOk;

@@ -200,8 +200,7 @@ private:
     std::shared_ptr<const Map> map;
     std::optional<Localizer> localizer;
     if (!map_.empty()) {
-      map = std::make_shared<const Map>(openMap(map_));
-      noteUnfinished(*map, map_, console);
+      map = std::make_shared<const Map>(noteUnfinished(openMap(map_), map_, console));
       noteDifference(map->calibrated(camera), *map, console);
       localizer.emplace(map, LocalizerParams(), localization_);
       localizer->setNumberOfThreads(threads());

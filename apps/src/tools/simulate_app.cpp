@@ -37,9 +37,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepthScale = 5000;  // [1/m]
-constexpr double kBetweenStarts =
-    1000;  // [s] of the runs, or a multiple: no two have images of the same stamp
+constexpr double kDepthScale = 5000;     // [1/m]
+constexpr double kBetweenStarts = 1000;  // [s] or a multiple: no two runs have images of the same stamp
 constexpr std::uint64_t kSeedOfRounds = kRunSeeds - 1;
 constexpr int kMostFrames = 1000000;
 constexpr int kMostRounds = 1000;
@@ -101,19 +100,6 @@ Intrinsics scaled(Intrinsics k, int width) {
   k.cx = (k.cx + 0.5) * scale - 0.5;  // pixel centres are at integer coordinates
   k.cy = (k.cy + 0.5) * scale - 0.5;
   return k;
-}
-
-/** The errors of a camera, but for the options that are given. */
-SimulatedNoise noiseOf(SimulatedNoise noise, const SimulatedNoise& options, const CommandLine& line) {
-  std::vector<const double*> given;
-  SimulatedNoise::describe(options,
-                           [&](const char*, const double& value, auto&&...) { given.push_back(&value); });
-  std::size_t i = 0;
-  SimulatedNoise::describe(noise, [&](const char* name, double& value, auto&&...) {
-    if (line.given(std::string("sensor.") + name)) value = *given[i];
-    ++i;
-  });
-  return noise;
 }
 
 /** facetloc_simulate: depth sequences of a simulated place, with the truth. */
@@ -358,9 +344,10 @@ private:
     const CameraPreset& preset = *findCameraPreset(preset_.empty() ? kUsualCamera : preset_);
     const Intrinsics intrinsics =
         scaled(preset.intrinsics(), line.given("width") ? width_ : preset.intrinsics().width);
-    const SimulatedNoise usual =
+    SimulatedNoise noise =
         simulatedNoise(preset.name, shared_errors_ ? SharedErrors::as_measured : SharedErrors::left_out);
-    const SimulatedCamera camera(intrinsics, noiseOf(usual, noise_, line), static_cast<std::uint64_t>(seed_));
+    line.takeGiven(noise, noise_, "sensor");
+    const SimulatedCamera camera(intrinsics, noise, static_cast<std::uint64_t>(seed_));
     CameraFile camera_file{preset.camera(), kDepthScale, preset_};
     camera_file.camera.intrinsics = intrinsics;
     camera_file.camera.mounting = drive_.mounting();
