@@ -39,10 +39,8 @@ void FilePlayer::stop() {
 }
 
 void FilePlayer::next() {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    ++asked_;
-  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++asked_;
   changed_.notify_all();
 }
 

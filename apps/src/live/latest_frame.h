@@ -32,14 +32,12 @@ public:
   /** \brief Leaves a frame, which arrives now. A closed mailbox ignores it. */
   void put(Frame frame) {
     std::optional<Arrived> arrived{{std::move(frame), Clock::now()}};
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (closed_) return;
-      ++counts_.received;
-      counts_.dropped += frame_.has_value();
-      last_arrival_ = arrived->arrival;
-      frame_.swap(arrived);  // the replaced frame is destroyed after the lock is released
-    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (closed_) return;
+    ++counts_.received;
+    counts_.dropped += frame_.has_value();
+    last_arrival_ = arrived->arrival;
+    frame_.swap(arrived);  // the replaced frame is destroyed after the lock is released
     filled_.notify_one();
   }
 
@@ -66,10 +64,8 @@ public:
 
   /** \brief No frame gets in any more; the one that is there can still be taken. Wakes who waits. */
   void close() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      closed_ = true;
-    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = true;
     filled_.notify_all();
     emptied_.notify_all();
   }
@@ -79,12 +75,10 @@ public:
   }
   /** \brief Discards the waiting frame, which counts as dropped. */
   void clear() {
-    std::optional<Arrived> gone;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      counts_.dropped += frame_.has_value();
-      gone.swap(frame_);
-    }
+    std::optional<Arrived> gone;  // destroyed after the lock is released
+    const std::lock_guard<std::mutex> lock(mutex_);
+    counts_.dropped += frame_.has_value();
+    gone.swap(frame_);
     emptied_.notify_all();
   }
 

@@ -18,10 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kStep = 0.15,
-                 kTurnDeg = 8;            // least motion of the camera between images that are kept [m, deg]
-constexpr double kDepthScale = 4000;      // up to 16 m, in steps finer than any camera's noise
-constexpr std::size_t kMostKept = 20000;  // images, which take 1 GB
+constexpr double kStep = 0.15, kTurnDeg = 8;  // least motion between images that are kept [m, deg]
+constexpr double kDepthScale = 4000;          // up to 16 m, in steps finer than any camera's noise
+constexpr std::size_t kMostKept = 20000;      // images, which take 1 GB
 constexpr const char* kCameraFile = "camera.ini";
 
 fs::path imagesOf(const fs::path& folder) { return folder / "depth"; }

@@ -25,7 +25,6 @@ public:
   LiveExtension(const std::filesystem::path& map, const Camera& camera);
   /** \brief The next frame. Throws IoError if it cannot be kept. */
   void put(const LiveResult& result);
-  std::size_t kept() const { return kept_; }
 
 private:
   const std::filesystem::path folder_;

@@ -41,10 +41,6 @@ void PanelLook::applyTo(vtkCamera* camera) const {
   camera->SetFocalPoint(focus.data());
 }
 
-void LiveLooks::setBoxes(const Box& cloud, const Box& whole, const Box& near) {
-  boxes_ = {cloud, whole, near};
-}
-
 std::optional<LiveLooks::Panel> LiveLooks::panelAt(const Eigen::Vector2d& at) const {
   for (const Panel panel : {Panel::cloud, Panel::whole, Panel::near}) {
     const Box& b = box(panel);

@@ -14,10 +14,9 @@ namespace facetloc {
 
 /** \brief How somebody looks at a panel, beside how it shows itself. */
 struct PanelLook {
-  double yaw_deg = 0, pitch_deg = 0;  ///< turn of a 3D scene about the centre of the view
-  double zoom = 1;                    ///< 2 = twice as large
-  Eigen::Vector2d shift =
-      Eigen::Vector2d::Zero();  ///< shift of the content, right and up, in heights of the panel
+  double yaw_deg = 0, pitch_deg = 0;                ///< turn of a 3D scene about the centre of the view
+  double zoom = 1;                                  ///< 2 = twice as large
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();  ///< content, right and up, in heights of the panel
 
   /** \brief Turns, moves and nears a camera of VTK that looks at the middle of a panel. */
   void applyTo(vtkCamera* camera) const;
@@ -31,14 +30,12 @@ public:
   enum class Drag { turn, move };
 
   /** \brief The panels are here now; those without an area are not there. */
-  void setBoxes(const Box& cloud, const Box& whole, const Box& near);
+  void setBoxes(const Box& cloud, const Box& whole, const Box& near) { boxes_ = {cloud, whole, near}; }
   std::optional<Panel> panelAt(const Eigen::Vector2d& at) const;
   const Box& box(Panel panel) const { return boxes_[static_cast<int>(panel)]; }
   const PanelLook& operator[](Panel panel) const { return looks_[static_cast<int>(panel)]; }
 
-  /** \brief Turns the cloud, or moves the content of the panel where the drag began. Maps do not turn, they
-   * move.
-   */
+  /** \brief Turns the cloud, or moves the content of the panel where the drag began; maps only move. */
   void drag(const Eigen::Vector2d& begin, const Eigen::Vector2d& from, const Eigen::Vector2d& to, Drag how);
   /** \brief Zooms about a place, which stays where it is. */
   void zoom(const Eigen::Vector2d& at, double factor);

@@ -108,10 +108,8 @@ void LiveMapping::begin(bool improve) {
   auto job = std::make_unique<Job>(Job{map_.clone(), std::move(unwritten_), improve, {}});
   unwritten_.clear();
   if (improve) improved_ = Clock::now();
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    to_do_ = std::move(job);
-  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  to_do_ = std::move(job);
   changed_.notify_all();
 }
 

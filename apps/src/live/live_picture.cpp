@@ -22,8 +22,7 @@ namespace {
 
 constexpr int kWidth = 1280, kHeight = 720;                                    // size of a screenshot [px]
 constexpr double kHeader = 78, kMargin = 10, kCaption = 24, kFooterLine = 22;  // heights [px]
-constexpr double kLeftShare = 0.56,
-                 kWholeShare = 0.56;  // width of the cloud; height of the whole map in its column
+constexpr double kLeftShare = 0.56, kWholeShare = 0.56;  // width of the cloud, height of the whole map
 constexpr Colour kFrame = {190, 190, 190}, kPale = {95, 95, 95}, kUntold = {140, 140, 140};
 
 /** The largest box of a picture's shape at the top of another box. */
@@ -274,23 +273,14 @@ LiveLooks& LivePicture::looks() { return scene_->looks(); }
 
 void LivePicture::choose(const Eigen::Vector2d& at) { scene_->choose(at); }
 
-struct LiveScreenshot::Window {
-  explicit Window(std::shared_ptr<const Map> map) : picture(window, std::move(map)) {
-    setOffscreen(window, kWidth, kHeight);
-    window->Render();  // takes its time, which would be missing when frames come
-  }
-  vtkNew<vtkRenderWindow> window;
-  LivePicture picture;
-};
-
-LiveScreenshot::LiveScreenshot(std::shared_ptr<const Map> map)
-    : window_(std::make_unique<Window>(std::move(map))) {}
-
-LiveScreenshot::~LiveScreenshot() = default;
+LiveScreenshot::LiveScreenshot(std::shared_ptr<const Map> map) : picture_(window_, std::move(map)) {
+  setOffscreen(window_, kWidth, kHeight);
+  window_->Render();  // takes its time, which would be missing when frames come
+}
 
 Raster<std::uint8_t> LiveScreenshot::draw(const LiveResult& result) {
-  window_->picture.show(result);
-  return grabbed(window_->window);
+  picture_.show(result);
+  return grabbed(window_);
 }
 
 }  // namespace facetloc

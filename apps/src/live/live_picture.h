@@ -11,8 +11,6 @@
 #include <string>
 #include <vector>
 
-class vtkRenderWindow;
-
 namespace facetloc {
 
 /** \brief The picture of a live run, for a window on the screen and for files.
@@ -37,8 +35,7 @@ public:
    * frame have none. */
   void show(const LiveResult& result, const std::vector<std::string>& footer = {});
 
-  /** \brief How its user looks at the panels, from the next frame on. Places are those of the frame before.
-   */
+  /** \brief How its user looks at the panels, from the next frame on; places are the last frame's. */
   LiveLooks& looks();
   /** \brief Chooses the item at a place [px from the top left corner]: a segment of the cloud or a local
    * model, which is marked and described in the caption of its panel; nothing elsewhere. */
@@ -53,15 +50,12 @@ private:
 class LiveScreenshot {
 public:
   explicit LiveScreenshot(std::shared_ptr<const Map> map);
-  ~LiveScreenshot();
-  LiveScreenshot(const LiveScreenshot&) = delete;
-  LiveScreenshot& operator=(const LiveScreenshot&) = delete;
 
   Raster<std::uint8_t> draw(const LiveResult& result);
 
 private:
-  struct Window;
-  std::unique_ptr<Window> window_;
+  vtkNew<vtkRenderWindow> window_;
+  LivePicture picture_;
 };
 
 }  // namespace facetloc

@@ -25,8 +25,7 @@ public:
   vtkRenderer* near() { return near_.renderer; }
   bool empty() const { return extent_.isEmpty(); }
 
-  /** \brief The places of both panels in the window, the user's zoom and shift of them, and the chosen item.
-   */
+  /** \brief The places of both panels in the window, the user's zoom and shift, and the chosen item. */
   struct Panels {
     Eigen::Vector2d whole_size, near_size;  ///< [px]; the near panel may have no area
     PanelLook whole, near;

@@ -47,9 +47,7 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
 struct LiveSourceOptions {
   std::string device;  ///< as OpenNIGrabber or V4l2Frames, a folder of PCLZF files, a path that DepthSequence
                        ///< reads, or "-": frames on standard input (PipeFrames)
-  /** A file of the device, a map that was made with it, or a CameraPreset; empty = the camera.ini beside its
-   * files.
-   */
+  /** A file of the device, a map made with it, or a CameraPreset; empty = the camera.ini beside its files. */
   std::string camera;
   std::string topic;         ///< topic of the messages to play; empty = RecordingHints::topic
   bool repeat = false;       ///< files and recordings begin again at their end

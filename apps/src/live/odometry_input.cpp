@@ -29,13 +29,6 @@ constexpr std::size_t kMostPoses = 100000;
 constexpr std::size_t kMostFaults = 100;  // capacity of the queue
 constexpr std::size_t kLongestLine = 1 << 16;
 
-Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
-  const Eigen::Quaterniond q_a(a.linear()), q_b(b.linear());
-  Eigen::Isometry3d T(q_a.slerp(share, q_b));
-  T.translation() = (1 - share) * a.translation() + share * b.translation();
-  return T;
-}
-
 }  // namespace
 
 OdometryInput::OdometryInput(const std::string& file, const std::optional<CameraMounting>& mounting)
@@ -83,22 +76,18 @@ void OdometryInput::read() {
     if (!more && !text.empty()) take(text);
     if (text.size() > kLongestLine) text.clear();  // the rest of the line is invalid as well
   }
-  {
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-  }
+  const std::lock_guard lock(mutex_);
+  ended_ = true;
   arrived_.notify_all();
 }
 
 void OdometryInput::take(const std::string& text) {
   const double now = sinceStart(Clock::now());
   if (text.find_first_not_of(" \t\r") == std::string::npos) return;
-  std::unique_lock lock(mutex_);
+  const std::lock_guard lock(mutex_);
   ++lines_;
-  lock.unlock();
   try {
     RobotLine line = parseRobotLine(text, mounting_);
-    lock.lock();
     if (line.start) start_line_ = NumberedStart{std::move(*line.start), lines_};
     if (line.relocalize) {
       relocalize_ = true;
@@ -108,18 +97,13 @@ void OdometryInput::take(const std::string& text) {
       add(*line.odometry, now);
       latest_ = Clock::now();
     }
+    arrived_.notify_all();
   } catch (const RobotCommandError& e) {
-    if (!lock) lock.lock();
     addFault(fmt::format("{}: line {}: {}", name_, lines_, e.what()));
-    return;
   } catch (const std::exception& e) {
-    if (!lock) lock.lock();
     if (!std::exchange(has_fault_, true))  // those of thousands of messages have the same cause
       addFault(fmt::format("{}: line {} is no odometry: {}", name_, lines_, e.what()));
-    return;
   }
-  lock.unlock();
-  arrived_.notify_all();
 }
 
 void OdometryInput::addFault(std::string fault) {
@@ -148,9 +132,9 @@ void OdometryInput::add(const OdometryLine& line, double now) {
     throw std::invalid_argument(is_stamped ? "it has a stamp, unlike the first one"
                                            : "it has no stamp, unlike the first one");
   const double time = is_stamped ? *line.stamp : now;
-  if (!poses_.empty() && !(time >= poses_.back().time)) poses_.clear();  // it begins anew
+  if (!poses_.empty() && !(time >= poses_.back().stamp)) poses_.clear();  // it begins anew
   poses_.push_back({time, line.T_o_c});
-  while (poses_.size() > kMostPoses || poses_.front().time < time - kKept) poses_.pop_front();
+  while (poses_.size() > kMostPoses || poses_.front().stamp < time - kKept) poses_.pop_front();
 }
 
 std::optional<Eigen::Isometry3d> OdometryInput::at(double stamp, Clock::time_point arrival) {
@@ -158,17 +142,15 @@ std::optional<Eigen::Isometry3d> OdometryInput::at(double stamp, Clock::time_poi
   const auto time = [&] { return is_stamped_ && *is_stamped_ ? stamp : sinceStart(arrival); };
   const bool may_come = !ended_ && Clock::now() - latest_ < kSilence;
   arrived_.wait_for(lock, kPatience, [&] {
-    return !may_come || stops_ || ended_ || (!poses_.empty() && poses_.back().time >= time());
+    return !may_come || stops_ || ended_ || (!poses_.empty() && poses_.back().stamp >= time());
   });
   const double when = time();
   const auto after = std::lower_bound(poses_.begin(), poses_.end(), when,
-                                      [](const Pose& pose, double t) { return pose.time < t; });
+                                      [](const StampedPose& pose, double t) { return pose.stamp < t; });
   if (after == poses_.end()) return {};
-  if (after->time == when) return after->T_o_c;
-  if (after == poses_.begin()) return {};
-  const Pose &a = *std::prev(after), &b = *after;
-  if (b.time - a.time > kLongestStep) return {};
-  return between(a.T_o_c, b.T_o_c, (when - a.time) / (b.time - a.time));
+  const StampedPose& before = after == poses_.begin() ? *after : *std::prev(after);
+  if (after->stamp != when && after->stamp - before.stamp > kLongestStep) return {};
+  return Trajectory({before, *after}).interpolated(when);
 }
 
 std::string OdometryInput::fault() {

@@ -4,6 +4,7 @@
 #include "inputs/robot_line.h"
 
 #include <facetloc/features/camera_model.h>
+#include <facetloc/io/trajectory.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -53,10 +54,6 @@ public:
   std::string fault();
 
 private:
-  struct Pose {
-    double time = 0;  // [s]
-    Eigen::Isometry3d T_o_c;
-  };
   void read();
   void addFault(std::string fault);
   void add(const OdometryLine& line, double now);
@@ -70,8 +67,8 @@ private:
 
   std::mutex mutex_;  // guards all members below
   std::condition_variable arrived_;
-  std::deque<Pose> poses_;    // sorted by time
-  Clock::time_point latest_;  // arrival of the last line
+  std::deque<StampedPose> poses_;  // T_o_c, sorted by time
+  Clock::time_point latest_;       // arrival of the last line
   std::optional<bool> is_stamped_;
   std::uint64_t lines_ = 0;
   std::optional<NumberedStart> start_line_;
