@@ -59,10 +59,6 @@ std::vector<FrameRows> groupByFrame(const std::vector<ResultRow>& rows, const Tr
   return frames;
 }
 
-double angleDeg(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  return rotationAngle(a.linear() * b.linear().transpose()) / kDegree;
-}
-
 /** Empty for an invalid covariance. */
 std::optional<double> neesOf(const Vector6d& error, const Matrix6d& P) {
   const Eigen::LLT<Matrix6d> factor(P);
@@ -179,7 +175,7 @@ private:
     for (std::size_t i = 0; i < models_.size(); ++i) {
       const ModelPose& model = models_[i];
       const NearestModel near{model.name, (model.T_w_m.translation() - e.T_w_c.translation()).norm(),
-                              angleDeg(model.T_w_m, e.T_w_c)};
+                              rotationAngle(model.T_w_m.linear() * e.T_w_c.linear().transpose()) / kDegree};
       const bool same =
           (!model.name.empty() && model.name == e.name) || std::abs(model.stamp - e.stamp) < kSameStamp;
       const bool same_file = size > 0 && size == model.image_size && model.name == e.name;
@@ -276,6 +272,14 @@ void addRecall(const std::vector<FrameEvaluation>& frames, Summary& summary) {
   if (!frames.empty()) summary.recall = static_cast<double>(answered) / static_cast<double>(frames.size());
 }
 
+/** The number of images of the run that it has not come to. */
+std::size_t imagesWithout(const RunResults& run) {
+  std::set<std::string> done;
+  for (const ResultRow& row : run.rows) done.insert(row.frame);
+  return static_cast<std::size_t>(std::count_if(
+      run.images.begin(), run.images.end(), [&](const auto& image) { return done.count(image.first) == 0; }));
+}
+
 }  // namespace
 
 PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w_c_true) {
@@ -288,17 +292,8 @@ PoseError poseError(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& T_w
 }
 
 const char* toString(FrameClass frame_class) {
-  switch (frame_class) {
-  case FrameClass::map_image:
-    return "map";
-  case FrameClass::map_run:
-    return "mapping run";
-  case FrameClass::new_image:
-    return "new";
-  case FrameClass::unknown:
-    break;
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"unknown", "map", "mapping run", "new"};
+  return kNames[static_cast<int>(frame_class)];
 }
 
 std::vector<ModelPose> modelPosesOf(const Map& map) {
@@ -321,18 +316,6 @@ std::vector<ModelPose> modelPosesOf(const Trajectory& run) {
     if (rule.accept(pose.T_w_c)) models.push_back({"", pose.stamp, pose.T_w_c});
   return models;
 }
-
-namespace {
-
-/** The number of images of the run that it has not come to. */
-std::size_t imagesWithout(const RunResults& run) {
-  std::set<std::string> done;
-  for (const ResultRow& row : run.rows) done.insert(row.frame);
-  return static_cast<std::size_t>(std::count_if(
-      run.images.begin(), run.images.end(), [&](const auto& image) { return done.count(image.first) == 0; }));
-}
-
-}  // namespace
 
 std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Remark& remark) {
   namespace fs = std::filesystem;
@@ -440,7 +423,7 @@ double CumulativeHistogram::bound(double share) const {
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames) {
   Summary summary;
   summary.name = name;
-  std::vector<double> translation_mm, rotation_deg, heading_deg, index, local_mm, local_deg;
+  std::vector<double> local_mm, local_deg;
   for (const FrameEvaluation& frame : frames) {
     ++summary.total;
     summary.none += frame.hypotheses == 0;
@@ -464,22 +447,22 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
     summary.unsure += frame.hypotheses == 0 || frame.probability < kUnsure;
     if (frame.first_correct == 0) continue;
     ++summary.correct;
-    translation_mm.push_back(1000 * frame.first_correct_error.translation);
-    rotation_deg.push_back(frame.first_correct_error.rotation_deg);
-    heading_deg.push_back(frame.first_correct_error.heading_deg);
-    index.push_back(frame.first_correct);
+    summary.translation_mm.x.push_back(1000 * frame.first_correct_error.translation);
+    summary.rotation_deg.x.push_back(frame.first_correct_error.rotation_deg);
+    summary.heading_deg.x.push_back(frame.first_correct_error.heading_deg);
+    summary.index.x.push_back(frame.first_correct);
   }
   summary.local_translation_stats = statistics(local_mm);
   summary.local_rotation_stats = statistics(local_deg);
   summary.local_translation_median = cumulativeHistogram(std::move(local_mm)).bound(0.5);
-  summary.translation_stats = statistics(translation_mm);
-  summary.rotation_stats = statistics(rotation_deg);
-  summary.heading_stats = statistics(heading_deg);
-  summary.index_stats = statistics(index);
-  summary.translation_mm = cumulativeHistogram(std::move(translation_mm));
-  summary.rotation_deg = cumulativeHistogram(std::move(rotation_deg));
-  summary.heading_deg = cumulativeHistogram(std::move(heading_deg));
-  summary.index = cumulativeHistogram(std::move(index));
+  const auto describe = [](CumulativeHistogram& values, Statistics& stats) {
+    stats = statistics(values.x);
+    values = cumulativeHistogram(std::move(values.x));
+  };
+  describe(summary.translation_mm, summary.translation_stats);
+  describe(summary.rotation_deg, summary.rotation_stats);
+  describe(summary.heading_deg, summary.heading_stats);
+  describe(summary.index, summary.index_stats);
   addReliability(frames, summary);
   addRecall(frames, summary);
   return summary;

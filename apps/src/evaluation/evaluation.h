@@ -113,9 +113,8 @@ struct FrameEvaluation {
   double probability = 0;               ///< probability of rank 1
   std::optional<PoseError> best_error;  ///< error of rank 1; empty if its true pose is unknown
   std::optional<double> nees;  ///< e^T P^-1 e of rank 1, if it is correct and its covariance is known
-  std::optional<PoseError>
-      local_error;               ///< error of rank 1 relative to its local model, whose true pose is known
-  bool locally_correct = false;  ///< is that one within the limits?
+  std::optional<PoseError> local_error;  ///< the same in its local model; empty if its true pose is unknown
+  bool locally_correct = false;          ///< is that one within the limits?
   int closest = 0;          ///< rank of the hypothesis with the least error; 0 = no hypothesis has a pose
   PoseError closest_error;  ///< its error, as multiples of the limits of "correct"
   std::optional<NearestModel> nearest;
@@ -132,11 +131,10 @@ struct Evaluation {
 struct RunResults {
   std::string name;  ///< may be empty
   std::vector<ResultRow> rows;
-  std::vector<TimingRow> timing;  ///< may be empty
-  std::string folder{};           ///< named after the run whose truth is meant; may be empty
-  ImageSizes images{};            ///< that were localized; may be empty
-  std::map<std::string, Matrix6d>
-      covariances{};  ///< covariances of the world poses of rank 1, keyed by image; may be empty
+  std::vector<TimingRow> timing;                  ///< may be empty
+  std::string folder{};                           ///< named after the run whose truth is meant; may be empty
+  ImageSizes images{};                            ///< that were localized; may be empty
+  std::map<std::string, Matrix6d> covariances{};  ///< world poses of rank 1, keyed by image; may be empty
 };
 /** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
  * folders and in the order of their names. Throws IoError. */
@@ -204,12 +202,11 @@ constexpr std::size_t kReliableCount = 20;  ///< images from which on the share 
 struct Summary {
   std::string name;
   std::size_t total = 0;
-  std::size_t none = 0;          ///< no hypothesis
-  std::size_t wrong = 0;         ///< no correct hypothesis
-  std::size_t correct = 0;       ///< at least one
-  std::size_t best_correct = 0;  ///< rank 1 is
-  CumulativeHistogram translation_mm, rotation_deg, heading_deg,
-      index;  ///< errors and ranks of first correct hypotheses
+  std::size_t none = 0;                                                  ///< no hypothesis
+  std::size_t wrong = 0;                                                 ///< no correct hypothesis
+  std::size_t correct = 0;                                               ///< at least one
+  std::size_t best_correct = 0;                                          ///< rank 1 is
+  CumulativeHistogram translation_mm, rotation_deg, heading_deg, index;  ///< first correct hypotheses
   Statistics translation_stats, rotation_stats, heading_stats, index_stats;
   double threshold = 0;  ///< the largest probability of a wrong rank 1
   double recall = 0;     ///< share of all frames whose rank 1 is correct and more probable than that
@@ -223,8 +220,7 @@ struct Summary {
   std::size_t local_correct = 0;
   Statistics local_translation_stats, local_rotation_stats;  ///< [mm], [deg]
   double local_translation_median = 0;                       ///< [mm]
-  std::vector<double>
-      nees;  ///< NEES of correct poses of rank 1 with a covariance; 6 on average if consistent
+  std::vector<double> nees;  ///< correct poses of rank 1 with a covariance; 6 on average if consistent
 };
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
 /** \brief Summary of the frames that are chosen. */

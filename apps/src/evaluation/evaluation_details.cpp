@@ -124,17 +124,9 @@ std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows) {
 }
 
 const char* toString(MissKind kind) {
-  switch (kind) {
-  case MissKind::confident_wrong:
-    return "Confident and wrong";
-  case MissKind::sure_of_nothing:
-    return "Sure where the map has nothing";
-  case MissKind::not_found:
-    return "No correct hypothesis";
-  case MissKind::not_first:
-    break;
-  }
-  return "Correct, but not at rank 1";
+  constexpr const char* kNames[] = {"Confident and wrong", "Sure where the map has nothing",
+                                    "No correct hypothesis", "Correct, but not at rank 1"};
+  return kNames[static_cast<int>(kind)];
 }
 
 std::vector<Miss> misses(const Evaluation& evaluation) {

@@ -8,12 +8,10 @@
 
 namespace facetloc {
 
-/** \brief The frames that an evaluation is about: the new ones, or all where it is not known which are new.
- */
+/** \brief The frames that an evaluation is about: the new ones, or all where none is known to be new. */
 std::vector<FrameEvaluation> framesInQuestion(const Evaluation& evaluation);
 
-/** \brief The frames of results without truth: the answers' own numbers, at their
- * poses. */
+/** \brief The frames of results without truth: the answers' own numbers, at their poses. */
 Evaluation withoutTruth(const std::vector<RunResults>& runs);
 
 /** \brief Whether the first pose of an answer is right; empty without a pose or a known error.

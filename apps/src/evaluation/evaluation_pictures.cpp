@@ -90,10 +90,9 @@ private:
 
 }  // namespace
 
-ReportPicture drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth,
-                            const Evaluation& evaluation) {
+void drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth,
+                   const Evaluation& evaluation) {
   drawFloorMap(path, map, drawnRuns(truth), drawnMarks(evaluation));
-  return {path, "Segments of all local models in plan view, the runs, and the images that miss."};
 }
 
 std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const MapPage& page) {

@@ -16,8 +16,8 @@ namespace facetloc {
 // and throw IoError.
 
 /** \brief The map with all runs through it, and where it failed. */
-ReportPicture drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
-                            const Evaluation& evaluation);
+void drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
+                   const Evaluation& evaluation);
 
 /** \brief The map from above as svgFloorMap(), with the images in question in the colours of their answers:
  * where they were taken, or else where the answers say. */

@@ -29,9 +29,8 @@ struct EvaluationReport {
   std::vector<Summary> summaries;
   std::vector<TimingRow> timing;  ///< timing of all runs; may be empty
   std::optional<ResultsAlignment> alignment{};
-  bool own_frame = false;  ///< the map lies in another frame than the truth
-  std::optional<Alignment>
-      map_alignment{};  ///< then: its local models against their true poses, where these are known
+  bool own_frame = false;                    ///< the map lies in another frame than the truth
+  std::optional<Alignment> map_alignment{};  ///< then: local models against their true poses, if known
 
   bool isJudged() const { return !truth.empty(); }
 };

@@ -176,8 +176,7 @@ PlaceTruth::Sequence openSequence(const fs::path& folder, double time_offset) {
   const Trajectory poses = DepthSequence::readTruth(folder, time_offset);
   if (poses.empty())
     throw IoError(folder.string(), "has no poses, in a groundtruth.txt or beside its images, or its images "
-                                   "have no time stamps; nor have "
-                                   "folders map, query and drive in it");
+                                   "have no time stamps; nor have folders map, query and drive in it");
   PlaceTruth::Sequence sequence{folder, poses, RenderedTruth::open(folder), {}};
   if (fs::exists(folder / kUnmapped)) sequence.unmapped = namesOf(folder / kUnmapped);
   return sequence;

@@ -31,10 +31,6 @@ void requireDifferentStamps(const Trajectory& trajectory, const std::string& nam
         fmt::format("two {} poses have the stamp {}", name, text::shortest(same->stamp)));
 }
 
-double angleBetween(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  return rotationAngle(a.linear().transpose() * b.linear()) / kDegree;
-}
-
 /** \param position of each pair on the axis along which intervals have the length */
 std::optional<RelativeErrors> relativeErrors(const std::string& over, const TrajectoryErrors& errors,
                                              const std::vector<double>& position, double length) {
@@ -108,7 +104,8 @@ TrajectoryErrors trajectoryErrors(const Trajectory& estimate, const Trajectory& 
     if (i > 0) distance += (pair.truth.translation() - errors.pairs[i - 1].truth.translation()).norm();
     errors.distance.push_back(distance);
     errors.translation.push_back((pair.estimated.translation() - pair.truth.translation()).norm());
-    errors.rotation_deg.push_back(angleBetween(pair.estimated, pair.truth));
+    errors.rotation_deg.push_back(rotationAngle(pair.estimated.linear().transpose() * pair.truth.linear()) /
+                                  kDegree);
   }
   errors.absolute = momentsOf(errors.translation);
   errors.absolute_rotation_deg = momentsOf(errors.rotation_deg);

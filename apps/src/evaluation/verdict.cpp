@@ -147,8 +147,7 @@ std::string nextStep(const Counts& c) {
   if (static_cast<double>(c.judged - c.right) >
       kTolerated * static_cast<double>(std::max<std::size_t>(c.judged, 1)))
     return "Bound the share of wrong answers: facetloc_map calibrate MAP.flmap RECORDING --alpha 0.01, with "
-           "a recording "
-           "whose poses are known; then localize again.";
+           "a recording whose poses are known; then localize again.";
   const auto sorted = byNumber(c.obstacles);
   const std::size_t others = c.frames.size() - c.sure;
   if (10 * others <= c.frames.size()) return "The map is ready to be used: facetloc_live --map MAP.flmap.";
@@ -159,8 +158,7 @@ std::string nextStep(const Counts& c) {
            "LARGER.flmap.";
   case Obstacle::few_planes:
     return "Let the camera see planes of three directions (turn it, or tilt it to the floor), or localize "
-           "the whole drive: "
-           "facetloc_localize --sequence.";
+           "the whole drive: facetloc_localize --sequence.";
   case Obstacle::no_place:
   case Obstacle::misplaced:
     return "Look at the failures below; if furniture has moved, update the map: facetloc_map extend.";

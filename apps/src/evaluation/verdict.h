@@ -16,8 +16,7 @@ struct KeyFigure {
 
 /** \brief An evaluation in words, of its new images; of all where it is not known which are new. */
 struct Verdict {
-  std::vector<std::string>
-      sentences;                   ///< how many are sure; how many of these are right; why the others are not
+  std::vector<std::string> sentences;  ///< how many are sure; how many of these are right; why not the rest
   std::string map;                 ///< how a map in a frame of its own differs from the truth; may be empty
   std::string next;                ///< the next step
   std::vector<KeyFigure> figures;  ///< four
