@@ -12,21 +12,6 @@ namespace facetloc {
 
 namespace {
 
-struct DepthRange {
-  float nearest = std::numeric_limits<float>::max();
-  float farthest = 0;
-};
-
-DepthRange rangeOf(const DepthImage& image) {
-  DepthRange range;
-  for (const float z : image.depth) {
-    if (!(z > 0)) continue;
-    range.nearest = std::min(range.nearest, z);
-    range.farthest = std::max(range.farthest, z);
-  }
-  return range;
-}
-
 /** True at the outline of a segment; holes of one pixel are no outline. */
 bool isBorder(const LabelImage& labels, int u, int v) {
   const auto at = [&](int x, int y) -> int {
@@ -107,15 +92,16 @@ LabelImage smoothed(const LabelImage& labels) {
 }  // namespace
 
 Raster<std::uint8_t> greyDepth(const DepthImage& image, const GreyScale& scale) {
-  const DepthRange range = rangeOf(image);
+  float nearest = std::numeric_limits<float>::max(), farthest = 0;
+  for (const float z : image.depth)
+    if (z > 0) nearest = std::min(nearest, z), farthest = std::max(farthest, z);
   const auto darkest = static_cast<float>(scale.darkest), brightest = static_cast<float>(scale.brightest);
-  const float slope = (brightest - darkest) / std::max(range.farthest - range.nearest, 1e-6f);
+  const float slope = (brightest - darkest) / std::max(farthest - nearest, 1e-6f);
   Raster<std::uint8_t> picture{image.camera.width, image.camera.height, 3, {}};
   picture.data.reserve(3 * image.depth.size());
   for (const float z : image.depth)
     picture.data.insert(picture.data.end(), 3,
-                        z > 0 ? static_cast<std::uint8_t>(darkest + slope * (z - range.nearest))
-                              : scale.unknown);
+                        z > 0 ? static_cast<std::uint8_t>(darkest + slope * (z - nearest)) : scale.unknown);
   return picture;
 }
 

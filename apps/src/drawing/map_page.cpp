@@ -24,10 +24,9 @@ namespace facetloc {
 namespace {
 
 constexpr std::size_t kMostSegments = 40000;
-constexpr std::size_t kMostPlaces = 20;         // Poses listed per answer.
-constexpr std::size_t kPictureBytes = 1 << 20;  // that pictures and matches share, about
-constexpr std::size_t kLargePicture = 2900,
-                      kSmallPicture = 1600;  // Size of one encoded picture with its matches [bytes].
+constexpr std::size_t kMostPlaces = 20;                            // Poses listed per answer.
+constexpr std::size_t kPictureBytes = 1 << 20;                     // that pictures and matches share, about
+constexpr std::size_t kLargePicture = 2900, kSmallPicture = 1600;  // encoded, with its matches [bytes]
 
 Json::Value poseOf(const Eigen::Isometry3d& T) {
   Json::Value value(Json::arrayValue);
@@ -115,9 +114,8 @@ private:
     return left_out;
   }
 
-  std::vector<std::vector<Eigen::Vector3d>>
-      hulls_;                  // World coordinates; empty for segments that are not drawn.
-  std::vector<double> areas_;  // [m^2]
+  std::vector<std::vector<Eigen::Vector3d>> hulls_;  // world coordinates; empty if not drawn
+  std::vector<double> areas_;                        // [m^2]
 };
 
 /** Where a segment is in the image of a view, in permille of its width and height; empty if it reaches behind

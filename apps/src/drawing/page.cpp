@@ -146,6 +146,9 @@ vtkRenderer* Page::scene(const Box& box) {
   return renderer;
 }
 
-Raster<std::uint8_t> Page::render() { return averaged(rendered(window_), kFiner); }
+Raster<std::uint8_t> Page::render() {
+  window_->Render();
+  return averaged(grabbed(window_), kFiner);
+}
 
 }  // namespace facetloc

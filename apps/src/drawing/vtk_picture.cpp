@@ -27,11 +27,6 @@ void setOffscreen(vtkRenderWindow* window, int width, int height) {
   window->SetSize(width, height);
 }
 
-Raster<std::uint8_t> rendered(vtkRenderWindow* window) {
-  window->Render();
-  return grabbed(window);
-}
-
 Raster<std::uint8_t> grabbed(vtkRenderWindow* window) {
   vtkNew<vtkWindowToImageFilter> filter;
   filter->SetInput(window);

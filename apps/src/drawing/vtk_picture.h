@@ -15,9 +15,7 @@ vtkNew<vtkImageData> toImage(const Raster<std::uint8_t>& rgb);
 
 /** \brief Makes a window invisible, and its rendering the same everywhere. [px] */
 void setOffscreen(vtkRenderWindow* window, int width, int height);
-/** \brief The content of a window, RGB. */
+/** \brief The content of a window that is rendered, RGB. */
 Raster<std::uint8_t> grabbed(vtkRenderWindow* window);
-/** \brief Renders a window and returns its content, RGB. */
-Raster<std::uint8_t> rendered(vtkRenderWindow* window);
 
 }  // namespace facetloc

@@ -41,8 +41,7 @@ private:
 /** \brief --stream. */
 void addStreamOption(CommandLine& line, bool& streams);
 
-/** \brief The console of a tool whose standard output belongs to a stream: all else goes to standard error.
- */
+/** \brief The console of a tool whose standard output is a stream: all else goes to standard error. */
 Console besideStream(const Console& console);
 
 }  // namespace facetloc

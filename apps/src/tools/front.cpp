@@ -24,12 +24,6 @@ std::string usage() {
                 "  facetloc simulate office -o office  # recordings, if you have none\n";
 }
 
-std::vector<std::string> commandNames() {
-  std::vector<std::string> names;
-  for (const FrontCommand& command : frontCommands()) names.emplace_back(command.name);
-  return names;
-}
-
 /** Returns only if the program cannot be run. */
 void become(const std::string& command, const std::vector<std::string>& arguments,
             const std::filesystem::path& tools) {
@@ -68,10 +62,10 @@ int runFront(const std::vector<std::string>& arguments, Console console, const s
   if (command == "--help" || command == "-h" || command == "help") return console.print(usage()), kOk;
   if (command == "--version") return console.print(versionText() + "\n"), kOk;
   if (command == "try") return tryApp()->run(rest, console);
-  const auto& all = frontCommands();
-  if (std::none_of(all.begin(), all.end(), [&](const FrontCommand& c) { return c.name == command; })) {
-    console.error(
-        fmt::format("unknown command '{}'{}\n{}", command, didYouMean(command, commandNames()), usage()));
+  std::vector<std::string> names;
+  for (const FrontCommand& known : frontCommands()) names.push_back(known.name);
+  if (std::find(names.begin(), names.end(), command) == names.end()) {
+    console.error(fmt::format("unknown command '{}'{}\n{}", command, didYouMean(command, names), usage()));
     return kUsage;
   }
   become(command, rest, tools);

@@ -104,8 +104,7 @@ std::string upRemark(const SurfaceOrientation& orientation, const Eigen::Vector3
         toOption(judged.better));
   case Verdict::other_axis:
     return fmt::format(
-        "its floors do not face {}, which is up unless --up says otherwise; its largest planes "
-        "suggest {}",
+        "its floors do not face {}, which is up unless --up says otherwise; its largest planes suggest {}",
         toOption(up), upOptions(orientation));
   case Verdict::plausible:
     break;

@@ -8,12 +8,6 @@
 #include <fmt/core.h>
 
 namespace facetloc {
-namespace {
-
-/** "16 %", of a root mean square of logarithms. */
-std::string percent(double misfit) { return fmt::format("{:.0f} %", 100 * std::expm1(misfit)); }
-
-}  // namespace
 
 void printNoise(std::ostream& out, const std::vector<NoiseBin>& bins) {
   TextTable table(
@@ -29,8 +23,9 @@ void printNoise(std::ostream& out, const std::vector<NoiseBin>& bins) {
   std::string fit = fmt::format("inverse_depth_std = {:.3g}", noise.inverse_depth_std);
   if (noise.depth_std > 0) fit += fmt::format(", depth_std = {:.3g}", noise.depth_std);
   if (noise.depth_std_slope > 0) fit += fmt::format(", depth_std_slope = {:.3g}", noise.depth_std_slope);
-  out << fmt::format("Correlated over {:.1f} px. {} is within {} of the table.\n", correlationLength(bins),
-                     fit, percent(misfit(noise, bins)));
+  const double percent = 100 * std::expm1(misfit(noise, bins));  // a root mean square of logarithms
+  out << fmt::format("Correlated over {:.1f} px. {} is within {:.0f} % of the table.\n",
+                     correlationLength(bins), fit, percent);
 }
 
 }  // namespace facetloc
