@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "browser.h"
+#include "drawing/depth_drawing.h"
 #include "drawing/html_text.h"
 #include "drawing/map_page.h"
 #include "drawing/matched_segments.h"
 #include "drawing/page_files.h"
-#include "drawing/thumbnail.h"
 #include "example_scene.h"
 #include "golden.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "inputs/start_option.h"
+#include "inputs/localization_options.h"
 
 #include <facetloc/testing/pose_matchers.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as a line of wheel odometry, for a camera in the hand and on a robot, and as a starting pose.
 #include "fuzz_file.h"
-#include "inputs/start_option.h"
+#include "inputs/localization_options.h"
 #include "live/odometry_input.h"
 
 #include <stdexcept>

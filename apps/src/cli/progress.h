@@ -10,6 +10,10 @@
 
 namespace facetloc {
 
+inline double millisecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 /** \brief "  37/250   12.3/s   17 s left" */
 std::string progressLine(std::size_t done, std::size_t total, double seconds);
 

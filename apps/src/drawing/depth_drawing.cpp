@@ -3,6 +3,11 @@
 
 #include <facetloc/registration/calibration.h>
 
+#include <vtkImageData.h>
+#include <vtkJPEGWriter.h>
+#include <vtkNew.h>
+#include <vtkUnsignedCharArray.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,6 +92,18 @@ LabelImage smoothed(const LabelImage& labels) {
         out.label[static_cast<std::size_t>(v) * labels.width + u] = middle;
     }
   return out;
+}
+
+/** The first channel of a picture. */
+vtkNew<vtkImageData> greyImage(const Raster<std::uint8_t>& rgb) {
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(rgb.width, rgb.height, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+  for (int v = 0; v < rgb.height; ++v)
+    for (int u = 0; u < rgb.width; ++u)
+      *static_cast<std::uint8_t*>(image->GetScalarPointer(u, rgb.height - 1 - v, 0)) =
+          rgb.data[(static_cast<std::size_t>(v) * rgb.width + u) * rgb.channels];
+  return image;
 }
 
 }  // namespace
@@ -182,6 +199,21 @@ Raster<std::uint8_t> averaged(const Raster<std::uint8_t>& picture, int n) {
         out.data.push_back(static_cast<std::uint8_t>((sum + n * n / 2) / (n * n)));
       }
   return out;
+}
+
+std::string depthThumbnail(const View& view, int width) {
+  if (!view.hasPicture()) return {};
+  const Raster<std::uint8_t> grey = greyDepth(depthOf(view));
+  const int factor = std::max(1, grey.width / std::max(1, width));
+  if (grey.width < factor || grey.height < factor) return {};
+  vtkNew<vtkJPEGWriter> writer;
+  writer->SetInputData(greyImage(averaged(grey, factor)));
+  writer->WriteToMemoryOn();
+  writer->SetQuality(60);
+  writer->Write();
+  const vtkUnsignedCharArray* bytes = writer->GetResult();
+  const auto* first = const_cast<vtkUnsignedCharArray*>(bytes)->GetPointer(0);
+  return std::string(first, first + bytes->GetNumberOfValues());
 }
 
 }  // namespace facetloc

@@ -7,6 +7,7 @@
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/png.h>
 
+#include <string>
 #include <vector>
 
 namespace facetloc {
@@ -52,5 +53,9 @@ LabelImage seenSegments(const View& view);
 Raster<std::uint8_t> resized(const Raster<std::uint8_t>& picture, int width, int height);
 /** \brief Reduced by averaging n x n pixels; incomplete blocks at the right and at the bottom are dropped. */
 Raster<std::uint8_t> averaged(const Raster<std::uint8_t>& picture, int n);
+
+/** \brief The depth of a view as a small grey JPEG, darker = closer, black = not measured; empty for a view
+ * without depth. \param width of the picture, at least; the depth picture is reduced by whole factors [px] */
+std::string depthThumbnail(const View& view, int width);
 
 }  // namespace facetloc

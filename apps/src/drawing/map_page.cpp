@@ -2,11 +2,11 @@
 #include "drawing/map_page.h"
 
 #include "cli/text.h"
+#include "drawing/depth_drawing.h"
 #include "drawing/html_text.h"
 #include "drawing/matched_segments.h"
 #include "drawing/page_files.h"
 #include "drawing/plan_view.h"
-#include "drawing/thumbnail.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>

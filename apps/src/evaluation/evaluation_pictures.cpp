@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_pictures.h"
 
-#include "evaluation/answer_page.h"
+#include "evaluation/evaluation_details.h"
 #include "evaluation/failures.h"
 #include "inputs/depth_input.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/error.h>
 
 #include <fmt/format.h>
@@ -88,6 +89,16 @@ private:
   std::map<std::pair<std::string, std::string>, Place> places_;  // keyed by run, or "", and name
 };
 
+void judge(const FrameEvaluation& frame, bool relative, PageAnswer& answer) {
+  answer.wrong = frame.state == AnswerState::sure && !isRight(frame, relative).value_or(true);
+  answer.relative = relative;
+  if (const auto& error = relative ? frame.local_error : frame.best_error) {
+    answer.error_m = error->translation;
+    answer.error_deg = error->rotation_deg;
+  }
+  if (!relative) answer.truth = frame.T_w_c;
+}
+
 }  // namespace
 
 void drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth,
@@ -113,6 +124,39 @@ std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const Ma
         .T_w_c.push_back(answer.truth ? *answer.truth : answer.places.front().T_w_c);
   }
   return svgFloorMap(map, {}, marks, "The map from above, and its answers.");
+}
+
+MapPage answerPage(const Map& map, const std::vector<RunResults>& runs, const Evaluation* evaluation,
+                   bool relative) {
+  const ModelIndices indices(map);
+  const auto part = static_cast<std::size_t>(mainPart(map));
+  const std::string drawn = part < map.parts.size() ? map.parts[part] : "";
+  std::map<std::pair<std::string, std::string>, const FrameEvaluation*> frames;
+  if (evaluation)
+    for (const FrameEvaluation& frame : evaluation->frames) frames[{frame.run, frame.name}] = &frame;
+  MapPage page;
+  for (const RunResults& run : runs) {
+    const std::size_t first = page.answers.size();
+    for (const ResultRow& row : run.rows) {
+      if (page.answers.size() == first || page.answers.back().frame != row.frame) {
+        PageAnswer begun;
+        begun.run = run.name;
+        begun.frame = row.frame;
+        begun.state = row.state;
+        begun.reason = row.reason;
+        const auto judged = frames.find({run.name, row.frame});
+        if (judged != frames.end()) judge(*judged->second, relative, begun);
+        page.answers.push_back(std::move(begun));
+      }
+      if (row.rank == 0 || !row.T_w_c || row.part != drawn) continue;
+      PageAnswer& answer = page.answers.back();
+      const auto covariance = run.covariances.find(row.frame);
+      if (row.rank == 1 && covariance != run.covariances.end()) answer.P_w_c = covariance->second;
+      answer.places.push_back(
+          {indices.of(row.model), row.T_m_c, *row.T_w_c, row.probability, row.sd_trans_m, row.sd_rot_deg});
+    }
+  }
+  return page;
 }
 
 MapPage pageOfAnswers(const Map& map, const PlaceTruth& truth, const std::vector<RunResults>& runs,

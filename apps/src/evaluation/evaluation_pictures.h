@@ -23,6 +23,14 @@ void drawMapOfRuns(const std::filesystem::path& path, const Map& map, const Plac
  * where they were taken, or else where the answers say. */
 std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const MapPage& page);
 
+/** \brief Results as they are shown in their map: the answers of all runs in their order, those of the part
+ * of the map that is drawn with their places. Without runs in it, and without a title. Throws
+ * std::runtime_error for an answer in a local model that the map has not. \param evaluation of these results;
+ * null if nothing is known to be true \param relative whether errors relative to local models decide which
+ * answers are right */
+MapPage answerPage(const Map& map, const std::vector<RunResults>& runs,
+                   const Evaluation* evaluation = nullptr, bool relative = false);
+
 /** \brief The answers in their map as answerPage(), with the true poses and, where images are there, their
  * pictures and matches. Refers to the map. */
 MapPage pageOfAnswers(const Map& map, const PlaceTruth& truth, const std::vector<RunResults>& runs,

@@ -4,8 +4,11 @@
 #include "base/text.h"
 #include "cli/command_line.h"
 
+#include <facetloc/features/camera_model.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/localization/localization_params.h>
 
+#include <optional>
 #include <string>
 
 namespace facetloc {
@@ -40,5 +43,14 @@ inline void addMapCovers(CommandLine& line, std::string& share, ProbabilityParam
       throw UsageError("map-covers: '" + share + "' is neither all nor some nor a number between 0 and 1");
   });
 }
+
+/** \brief The option --near of tools that follow a camera. */
+void addStartOption(CommandLine& line, std::string& text);
+
+/** \brief The pose of a camera from "x,y,z,yaw_deg[,std_m[,std_deg]]": its position in the world [m], and the
+ * direction that it looks in, seen from above, from the x axis counterclockwise. It is tilted and rolled as
+ * its mounting says, else level. Nothing for an empty text. Throws UsageError. */
+std::optional<PoseWithCovariance> startPose(const std::string& near,
+                                            const std::optional<CameraMounting>& mounting);
 
 }  // namespace facetloc

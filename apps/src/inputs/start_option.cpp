@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "inputs/start_option.h"
-
-#include "base/text.h"
+#include "inputs/localization_options.h"
 #include "inputs/robot_line.h"
 
 #include <cmath>

@@ -9,7 +9,7 @@
 #include "live/live_cloud.h"
 #include "live/live_label.h"
 #include "live/live_plan.h"
-#include "live/live_words.h"
+#include "live/live_status.h"
 
 #include <vtkCamera.h>
 

@@ -7,7 +7,6 @@
 #include "drawing/offscreen_display.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
-#include "inputs/start_option.h"
 #include "live/live_extension.h"
 #include "live/live_picture.h"
 #include "live/live_results.h"

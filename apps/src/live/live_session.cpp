@@ -2,7 +2,7 @@
 #include "live/live_session.h"
 
 #include "base/text.h"
-#include "cli/milliseconds.h"
+#include "cli/progress.h"
 #include "cli/text.h"
 
 #include <algorithm>

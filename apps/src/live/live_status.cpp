@@ -2,7 +2,11 @@
 #include "live/live_status.h"
 
 #include "base/text.h"
+#include "cli/text.h"
+#include "live/live_plan.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -14,6 +18,33 @@ std::size_t terminalWidth() {
   constexpr std::size_t kUsual = 80;
   winsize size = {};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
+}
+
+/** "x 1.20  y -3.41  z 0.98 m". */
+std::string positionText(const Eigen::Vector3d& p) {
+  return fmt::format("x {}   y {}   z {} m", text::decimals(p.x(), 2), text::decimals(p.y(), 2),
+                     text::decimals(p.z(), 2));
+}
+
+std::string seenText(const SeenImage& image) {
+  const auto& labels = image.labels.label;
+  const auto labelled = labels.size() - std::count(labels.begin(), labels.end(), 0);
+  const auto measured = std::count_if(image.depth.depth.begin(), image.depth.depth.end(), isMeasured);
+  return fmt::format("{} on {:.0f} % of the measured pixels",
+                     counted(image.view.segments.size(), "planar segment"),
+                     measured ? 100.0 * labelled / measured : 0.0);
+}
+
+/** "± 12 mm, 0.30°": the largest standard deviations over directions. */
+std::string accuracyText(const Matrix6d& P) {
+  return fmt::format("± {:.0f} mm, {:.2f}°", 1000 * largestTranslationStd(P),
+                     largestRotationStd(P) / kDegree);
+}
+
+/** The prefix of a position in a part of the map; empty in the world. */
+std::string partText(const Map& map, int part) {
+  const auto i = static_cast<std::size_t>(part);
+  return i < map.parts.size() && !map.parts[i].empty() ? fmt::format("in part {}:  ", map.parts[i]) : "";
 }
 
 }  // namespace
@@ -30,6 +61,42 @@ std::string timesText(const LiveResult& result, double rate) {
   if (result.answer) words += fmt::format(",  localization {:.1f} ms", result.localize_ms);
   return words +
          fmt::format(",  age {:.0f} ms,  {} of {} dropped", result.age_ms, result.dropped, result.received);
+}
+
+std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched) {
+  if (!map) return seenText(result.image);
+  const Hypothesis* match = result.match();
+  const PoseWithCovariance* pose = result.pose();
+  if (!pose && !match) return "no pose; " + seenText(result.image);
+  const std::string model = match ? map->models.at(match->model).name : "";
+  std::string words =
+      pose ? partText(*map, result.part()) + positionText(pose->T.translation())
+           : fmt::format("in local model {}:  {}", model, positionText(match->T_m_c.T.translation()));
+  if (pose && plan) words += fmt::format("   heading {}°", text::decimals(plan->heading(pose->T), 1));
+  words += "   " + accuracyText(pose ? pose->P : match->T_m_c.P);
+  if (match)
+    words += fmt::format("   {} of {} in local model {}", matched,
+                         counted(result.image.view.segments.size(), "segment"), model);
+  return words;
+}
+
+std::string segmentText(const View& view, std::size_t k) {
+  const Segment& s = view.segments.at(k);
+  const double tilt = std::sqrt(std::max({s.Sigma_q(0, 0), s.Sigma_q(1, 1), 0.0})) / kDegree;
+  return fmt::format("segment {}: {} m², {} m away, {} px; normal ± {}°, distance ± {} mm", k + 1,
+                     text::decimals(s.area(), 2), text::decimals(s.t.norm(), 2), s.num_points,
+                     text::decimals(tilt, 2),
+                     text::decimals(1000 * std::sqrt(std::max(0.0, s.Sigma_q(2, 2))), 1));
+}
+
+std::string modelText(const Map& map, int i) {
+  const LocalModel& model = map.models.at(static_cast<std::size_t>(i));
+  const auto links = std::count_if(map.links.begin(), map.links.end(),
+                                   [i](const Link& link) { return link.from == i || link.to == i; });
+  return fmt::format("local model {}: {}, {}; {}", model.name,
+                     counted(map.view(i)->segments.size(), "segment"),
+                     counted(static_cast<std::size_t>(links), "link"),
+                     model.T_w_m ? positionText(model.T_w_m->translation()) : "no pose");
 }
 
 void FrameRate::update(std::uint64_t frames) {

@@ -5,7 +5,6 @@
 #include "cli/text.h"
 #include "inputs/robot_line.h"
 
-#include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 
 #include <algorithm>

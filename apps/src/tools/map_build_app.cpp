@@ -6,7 +6,6 @@
 #include "cli/tools.h"
 #include "inputs/depth_input.h"
 #include "inputs/gravity_option.h"
-#include "outputs/begun_map.h"
 #include "outputs/map_completion.h"
 #include "outputs/provenance.h"
 #include "tools/image_trajectory.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/milliseconds.h"
+#include "cli/progress.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "inputs/depth_input.h"
