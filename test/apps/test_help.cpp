@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/presets.h"
 #include "tool_runner.h"
 
 #include <algorithm>

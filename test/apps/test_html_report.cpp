@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "browser.h"
-#include "drawing/page_files.h"
+#include "drawing/html_text.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
 #include "evaluation/verdict.h"

@@ -4,7 +4,6 @@
 #include "drawing/html_text.h"
 #include "drawing/map_page.h"
 #include "drawing/matched_segments.h"
-#include "drawing/page_files.h"
 #include "example_scene.h"
 #include "golden.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/html_text.h"
 #include "drawing/offscreen_display.h"
-#include "drawing/page_files.h"
 #include "example_room.h"
 
 namespace facetloc::test {

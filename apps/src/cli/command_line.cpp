@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "cli/app.h"
-#include "cli/presets.h"
 #include "cli/spelling.h"
 
 #include <boost/program_options.hpp>

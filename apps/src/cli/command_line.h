@@ -25,6 +25,11 @@ public:
   using std::runtime_error::runtime_error;
 };
 
+/** \brief The names of the parameter files in apps/presets, which ship with the tools. */
+std::vector<std::string> presetNames();
+/** \brief The text of one of them. Throws UsageError, which lists them, for another name. */
+std::string presetText(const std::string& name);
+
 /** \brief The options of a tool: Boost.Program_options with the habits of GNU and PCL.
  *
  * `--name value`, `--name=value` and `-name value` are the same, and so are dashes and underscores within a
@@ -69,8 +74,7 @@ public:
         name);
     checks_.push_back([&params, name] { checkRanges(params, name); });
   }
-  /** \brief --preset: a set of parameters that is shipped (presets.h). Parameters of it that this tool lacks
-   * are left out. */
+  /** \brief --preset: a set of parameters that is shipped; those that this tool lacks are left out. */
   void addPresets();
 
   /** \brief A call that --help shows at its end: its arguments and its purpose. */

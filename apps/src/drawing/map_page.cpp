@@ -5,7 +5,6 @@
 #include "drawing/depth_drawing.h"
 #include "drawing/html_text.h"
 #include "drawing/matched_segments.h"
-#include "drawing/page_files.h"
 #include "drawing/plan_view.h"
 
 #include <facetloc/features/map_parts.h>

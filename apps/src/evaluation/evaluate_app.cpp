@@ -7,7 +7,6 @@
 #include "evaluation/evaluation_pictures.h"
 #include "evaluation/evaluation_report.h"
 #include "evaluation/start_curves.h"
-#include "evaluation/trajectory_report.h"
 #include "evaluation/verdict.h"
 #include "inputs/depth_input.h"
 

@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "cli/text.h"
-#include "evaluation/trajectory_report.h"
 
 #include <facetloc/io/atomic_file.h>
 

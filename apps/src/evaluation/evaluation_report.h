@@ -66,4 +66,22 @@ void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport
 /** \brief The last part of a path, as a title: where files are says nothing. */
 std::string titleOf(const std::filesystem::path& path);
 
+/** \brief The comparison of a trajectory with the true one. */
+struct TrajectoryReport {
+  std::string estimate;
+  std::string truth;
+  TrajectoryErrors errors;
+};
+
+void printReport(std::ostream& out, const TrajectoryReport& report);
+
+/** \brief Writes evaluation.txt, trajectory_errors.csv (by pose) and trajectory_summary.csv, atomically. */
+void writeReport(const std::filesystem::path& folder, const TrajectoryReport& report);
+
+/** \brief Writes report.html, atomically: everything in one file. Throws IoError. */
+void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report);
+
+/** \brief "rotated by 12.30 deg, moved by (1.000, 2.000, 3.000) m". */
+std::string motionText(const Eigen::Isometry3d& T);
+
 }  // namespace facetloc

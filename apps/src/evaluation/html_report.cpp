@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/html_report.h"
 
-#include "drawing/page_files.h"
-
 #include <facetloc/io/error.h>
 
 #include <algorithm>

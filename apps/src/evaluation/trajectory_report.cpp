@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/trajectory_report.h"
-
 #include "base/text.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
