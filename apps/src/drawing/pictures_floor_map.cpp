@@ -52,58 +52,50 @@ void drawPlan(Page& page, const PlanScale& scale, const FloorPlan& plan, const s
 struct LegendEntry {
   std::function<void(Page&, const Eigen::Vector2d&)> sample;
   std::string words;
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();  // offset from the legend's top left corner
 };
 
 std::vector<LegendEntry> legendOf(const FloorPlan& plan, const std::vector<DrawnRun>& runs,
                                   const std::vector<DrawnMarks>& marks) {
   using Vector = Eigen::Vector2d;
   const Vector to_end(kSample - 6, 0), to_middle(kSample / 2 - 3, 0);
-  const auto number = [](std::size_t n) { return fmt::format(" ({})", n); };
   std::vector<LegendEntry> entries;
+  const auto add = [&entries](const std::string& words, std::size_t n, auto sample) {
+    entries.push_back({sample, fmt::format("{} ({})", words, n)});
+  };
   if (!plan.models.empty()) {
-    entries.push_back({[=](Page& p, const Vector& at) { drawWall(p, at, at + to_end, kTallestWall); },
-                       "upright segments" + number(plan.walls.size())});
-    entries.push_back({[=](Page& p, const Vector& at) {
-                         drawModel(p, at + 0.3 * to_middle, {1, 0}, 16);
-                       },
-                       "local models" + number(plan.models.size())});
+    add("upright segments", plan.walls.size(),
+        [=](Page& p, const Vector& at) { drawWall(p, at, at + to_end, kTallestWall); });
+    add("local models", plan.models.size(), [=](Page& p, const Vector& at) {
+      drawModel(p, at + 0.3 * to_middle, {1, 0}, 16);
+    });
   }
   if (!plan.links.empty())
-    entries.push_back({[=](Page& p, const Vector& at) {
-                         p.line({at, at + to_end}, {kLink, 2});
-                       },
-                       "links" + number(plan.links.size())});
+    add("links", plan.links.size(), [=](Page& p, const Vector& at) {
+      p.line({at, at + to_end}, {kLink, 2});
+    });
   for (const DrawnRun& run : runs)
-    entries.push_back({[=, colour = run.colour](Page& p, const Vector& at) {
-                         p.line({at, at + to_end}, {colour, 2});
-                         p.disk(at, 4.5, colour);
-                       },
-                       run.name + number(run.T_w_c.size())});
+    add(run.name, run.T_w_c.size(), [=, colour = run.colour](Page& p, const Vector& at) {
+      p.line({at, at + to_end}, {colour, 2});
+      p.disk(at, 4.5, colour);
+    });
   for (const DrawnMarks& mark : marks)
-    entries.push_back(
-        {[=, colour = mark.colour](Page& p, const Vector& at) { drawCross(p, at + to_middle, colour); },
-         mark.name + number(mark.T_w_c.size())});
+    add(mark.name, mark.T_w_c.size(),
+        [=, colour = mark.colour](Page& p, const Vector& at) { drawCross(p, at + to_middle, colour); });
   return entries;
 }
 
-struct PlacedEntry {
-  LegendEntry entry;
-  Eigen::Vector2d at;  // offset from the legend's top left corner
-};
-
-/** Entries in rows of at most the given width. \return the height of all rows in rows_height. */
-std::vector<PlacedEntry> placed(const std::vector<LegendEntry>& entries, double width, double& rows_height) {
+/** Places entries in rows of at most the given width. \return the height of all rows. */
+double place(std::vector<LegendEntry>& entries, double width) {
   constexpr double kGap = 26;
-  std::vector<PlacedEntry> out;
   Eigen::Vector2d at(0, kLegendRow / 2);
-  for (const LegendEntry& entry : entries) {
+  for (LegendEntry& entry : entries) {
     const double needed = kSample + textWidth(entry.words, {});
     if (at.x() > 0 && at.x() + needed > width) at = {0, at.y() + kLegendRow};
-    out.push_back({entry, at});
+    entry.at = at;
     at.x() += needed + kGap;
   }
-  rows_height = at.y() + kLegendRow / 2;
-  return out;
+  return at.y() + kLegendRow / 2;
 }
 
 void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
@@ -125,16 +117,16 @@ void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const
   const PlanScale scale = scaleFor(extent);
 
   constexpr double kBarWidth = 260;
-  double legend_height = 0;
-  const auto legend = placed(legendOf(plan, runs, marks), scale.box().width - kBarWidth, legend_height);
+  std::vector<LegendEntry> legend = legendOf(plan, runs, marks);
+  const double legend_height = place(legend, scale.box().width - kBarWidth);
   const double legend_top = scale.box().bottom() + 0.75 * kMargin;
   Page page(static_cast<int>(scale.box().right() + kMargin),
             static_cast<int>(legend_top + legend_height + kMargin / 2));
   drawPlan(page, scale, plan, runs, marks);
-  for (const PlacedEntry& placed_entry : legend) {
-    const Eigen::Vector2d at = Eigen::Vector2d(scale.box().left, legend_top) + placed_entry.at;
-    placed_entry.entry.sample(page, at);
-    page.text(at + Eigen::Vector2d(kSample, 0), placed_entry.entry.words);
+  for (const LegendEntry& entry : legend) {
+    const Eigen::Vector2d at = Eigen::Vector2d(scale.box().left, legend_top) + entry.at;
+    entry.sample(page, at);
+    page.text(at + Eigen::Vector2d(kSample, 0), entry.words);
   }
   drawScaleBar(page, scale, scale.box().right(), legend_top + kLegendRow / 2);
   writePng(path, page.render());
