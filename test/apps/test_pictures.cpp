@@ -3,7 +3,7 @@
 #include "drawing/matched_segments.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/pictures.h"
-#include "evaluation/failures.h"
+#include "evaluation/evaluation_pictures.h"
 #include "example_scene.h"
 #include "golden.h"
 #include "tool_runner.h"

@@ -7,7 +7,6 @@
 #include "drawing/offscreen_display.h"
 #include "drawing/pictures.h"
 #include "evaluation/evaluation_pictures.h"
-#include "evaluation/failures.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "outputs/provenance.h"
