@@ -150,6 +150,11 @@ TEST(CommandLine, OptionsOverridePresets) {
   EXPECT_EQ(echo({"a", "--preset", "paper", "--max-hypotheses", "7"}).out, "1  7 0 2.5 6 0 1 0 0 0");
 }
 
+TEST(CommandLine, ValuesMayBeginWithAMinus) {
+  expectUsageError(runTool<WayApp>({"--way", "-0.48,0.36"}), "'-0.48,0.36' is none of");
+  expectUsageError(runTool<WayApp>({"--way", "-x,0.36"}), "value of option '--way' is missing");
+}
+
 TEST(CommandLine, BadValuesAreRefused) {
   expectUsageError(echo({"a", "--matching.max_pairs", "abc"}), "'abc'");
   expectUsageError(echo({"a", "--matching.max_pairs", "2.5"}), "'2.5'");

@@ -42,9 +42,10 @@ bool isTruthValue(const std::string& text) {
   return known.count(text) > 0;
 }
 
-/** "-5" is a number, "-x" and "--x" ask for an option. */
+/** "-5" and "-0.5,2" begin with a number, "-x" and "--x" ask for an option. */
 bool asksForOption(const std::string& argument) {
-  return argument.size() > 1 && argument[0] == '-' && !text::to<double>(argument);
+  return argument.size() > 1 && argument[0] == '-' &&
+         !text::to<double>(argument.substr(0, argument.find(',')));
 }
 
 std::string wrapped(const std::string& paragraph) {

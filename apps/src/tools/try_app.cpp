@@ -40,7 +40,8 @@ bool isWithin(const fs::path& folder, const fs::path& parent) {
 
 /** Report in the working folder, unless that is in the recording: then next to the recording. */
 std::string reportOf(const std::string& recording) {
-  const std::string name = titleOf(recording) + ".try";
+  const bool is_of_place = titleOf(recording) == "map";  // as facetloc_simulate and many others name it
+  const std::string name = titleOf(is_of_place ? fs::path(recording) / ".." : fs::path(recording)) + ".try";
   const bool among_images = fs::is_directory(recording) && isWithin(fs::current_path(), folderOf(recording));
   return among_images ? (folderOf(recording).parent_path() / name).string() : name;
 }
