@@ -247,7 +247,8 @@ TEST_F(Layouts, AMapIsNotMadeOfAFewPosesThatNothingChecks) {
   std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
   poses.resize(2);
   writeTumTrajectory(input + "/groundtruth.txt", poses);
-  EXPECT_THAT(runMap({"build", input, "-o", folder_ / "a.flmap"}), fails("have no pose within", "--force"));
+  EXPECT_THAT(runMap({"build", input, "-o", folder_ / "a.flmap"}),
+              fails("have no pose within the tolerance", "--force"));
   ok(runMap({"build", input, "-o", folder_ / "b.flmap", "--force"}));
 }
 

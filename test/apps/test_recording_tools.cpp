@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // facetloc_check and facetloc_convert on one recording in several states.
+#include "cli/findings_file.h"
 #include "example_room.h"
 
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/testing/example_bag.h>
 
@@ -68,6 +70,27 @@ TEST_F(RecordingTools, CheckFindsTheMountingByTheFloor) {
 TEST_F(RecordingTools, CheckDoubtsAScaleThatNoRoomHas) {
   EXPECT_THAT(check(map_run(), {"--depth-scale", "200"}).out, HasSubstr("is depth_scale right?"));
   EXPECT_THAT(check(map_run(), {"--depth-scale", "200000"}).out, HasSubstr("depth_scale"));
+}
+
+TEST_F(RecordingTools, AllToolsWriteTheirFindings) {
+  const std::string file = folder_ / "findings.json";
+  EXPECT_EQ(check(map_run(), {"--depth-scale", "200000", "--findings", file}).code, kFailed);
+  const auto scale = [&] {
+    const Findings found = readFindings(file);
+    const auto finding =
+        std::find_if(found.begin(), found.end(), [](const Finding& f) { return f.id == "values.scale"; });
+    return finding == found.end() ? Finding() : *finding;
+  };
+  EXPECT_EQ(scale().severity, Severity::refusal);
+  ASSERT_FALSE(scale().evidence.empty());
+  EXPECT_LT(scale().evidence.front().value, 0.1) << "metres";
+  const std::string words = scale().words;
+  EXPECT_THAT(runMap({"build", map_run(), "-o", folder_ / "small.flmap", "--depth-scale", "200000",
+                      "--findings", file}),
+              fails(words, "--force"));
+  EXPECT_EQ(scale().words, words) << "one judge";
+  writeContent(file, "{");
+  EXPECT_THROW(readFindings(file), IoError);
 }
 
 TEST_F(RecordingTools, CheckDerivesNothingFromImagesInDoubt) {

@@ -161,14 +161,15 @@ void judge(const DistortionEstimate& found, bool own_trajectory, Findings& all) 
 Findings MapFindings::list() const {
   Findings all;
   if (geometry) all = geometry->findings;
-  const bool posed = without_pose<images, mostly = 2 * without_pose> images;
-  if (posed && without_pose > 0)
+  const bool mostly = without_pose > images / 2;
+  if (without_pose > 0)
     all.push_back(
         {"poses.missing",
          !mostly                     ? Severity::note
          : poses && poses->isKnown() ? Severity::doubt
                                      : Severity::refusal,
-         fmt::format("{} of {} images have no pose at their times", without_pose, images),
+         fmt::format("{} of {} images have no pose within the tolerance of their times", without_pose,
+                     images),
          mostly ? "do both clocks show the same time (--time-offset)? Is --pose-tolerance too small?" : "",
          {{"without_pose", static_cast<double>(without_pose)}, {"images", static_cast<double>(images)}}});
   if (poses)
@@ -338,10 +339,10 @@ void MapMaking::checkGeometry() {
 
 void MapMaking::checkPoses() {
   Impl& m = *impl_;
+  if (!m.run.hasPoses() && !m.poses_by_time) return;
   m.findings.images = m.run.images.size();
   m.findings.without_pose = static_cast<std::size_t>(std::count_if(
       m.run.images.begin(), m.run.images.end(), [](const MapImage& image) { return !image.T_w_c; }));
-  if (!m.run.hasPoses() && !m.poses_by_time) return;
   m.findings.poses =
       internal::checkPoses(m.run.seenMotions(), m.poses_by_time ? m.poses_by_time : posesOf(m.run.images));
   m.findings.jumps = m.run.poseJumps();
