@@ -25,7 +25,7 @@ for run in map query; do
 done
 "$bin/facetloc_render" "$out/office/query/depth/1000.000000.png" -o "$out/fig1.png"
 "$bin/facetloc_render" "$out/office.flmap" -o "$out/map.png" --trajectory "$out/office/query"
-"$bin/facetloc_evaluate" "$out/results" "$out/office" --map "$out/office.flmap" -o "$out/evaluation"
+"$bin/facetloc_evaluate" "$out/results" "$out/office" --map "$out/office.flmap" -o "$out/evaluation" --table-paper
 
 cat <<TEXT
 

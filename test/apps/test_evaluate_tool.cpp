@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/findings_file.h"
 #include "example_room.h"
 
 #include <facetloc/features/pose.h>
@@ -13,7 +14,7 @@ TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
   const std::string place = fs::path(map_run()).parent_path().string();
   for (const char* run : {"map", "query"})
     ok(runTool<localizeApp>({map(), place + "/" + run, "-o", folder_ / (std::string("results/") + run)}));
-  const std::vector<std::string> arguments = {folder_ / "results", place, "--map", map()};
+  const std::vector<std::string> arguments = {folder_ / "results", place, "--map", map(), "--table-paper"};
   EXPECT_THAT(ok(runTool<evaluateApp>(arguments)).out,
               HasAll("all images", "new", "covered", "Solvable:", "ERRORS BY THE NUMBER OF VISIBLE PLANES",
                      "TIME PER IMAGE"));
@@ -113,6 +114,31 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
   EXPECT_THAT(runTool<evaluateApp>({estimate, truth}).err, HasSubstr("two estimated poses have the stamp"));
   writeContent(estimate, "no pose\n");
   EXPECT_THAT(runTool<evaluateApp>({estimate, truth}).err, HasSubstr("line 1"));
+}
+
+TEST_F(Tools, EvaluateKnowsWhatIsInDoubt) {
+  const std::string results = folder_ / "results", known = folder_ / "known.json";
+  ok(runTool<localizeApp>({map(), query(), "-o", results}));
+  writeFindings(known, {{"poses.disagree",
+                         Severity::doubt,
+                         "the poses disagree",
+                         "look at them",
+                         {{"rotation_deg", 1}, {"translation_m", 0.01}}}});
+  writeFindings(results + "/" + kFindingsFile, {{"localize.scale", Severity::doubt, "too far", ""}});
+  const auto of_report = HasAll("In doubt: the poses disagree; look at them.", "In doubt: too far.",
+                                "Next: Settle first what is in doubt: look at them.");
+  const ToolRun run = ok(runTool<evaluateApp>({results, query(), "--known", known, "--known", known}));
+  EXPECT_THAT(run.out, AllOf(of_report, HasSubstr("within 0.2 m and orientation within 3 deg")));
+  EXPECT_THAT(contentOf(results + "/evaluation/report.html"), of_report);
+  EXPECT_THAT(ok(runTool<evaluateApp>({results, "--known", known})).out, of_report) << "without a truth";
+}
+
+TEST_F(Tools, EvaluateCallsNoMapReadyByItsOwnImages) {
+  const std::string results = folder_ / "results";
+  ok(runTool<localizeApp>({map(), map_run(), "-o", results}));
+  for (const Arguments& truth : {Arguments(), Arguments{map_run()}})
+    EXPECT_THAT(ok(runTool<evaluateApp>(Arguments{results} + truth + Arguments{"--map", map()})).out,
+                Not(HasSubstr("ready to be used")));
 }
 
 TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {

@@ -40,12 +40,13 @@ TEST_F(Tools, TryMakesAReportOfTwoRecordings) {
   const std::string folder = folder_ / "tried";
   const ToolRun run = runTool<tryApp>({map_run(), query(), "-o", folder});
   ASSERT_EQ(run.code, kOk) << run.err << run.out;
-  for (const char* stage : {"1/4 check", "2/4 build", "3/4 localize", "4/4 evaluate"})
+  for (const char* stage : {"1/5 check", "2/5 check_later", "3/5 build", "4/5 localize", "5/5 evaluate"})
     EXPECT_THAT(run.out, HasSubstr(stage));
+  EXPECT_THAT(run.out, HasSubstr("\nNext: "));
   EXPECT_EQ(lastLine(run.out), "report in " + folder + "/report.html");
   EXPECT_THAT(contentOf(folder + "/report.html"), HasAll("of these are right", "Next: "));
-  for (const char* file :
-       {"map.flmap", "results/hypotheses.csv", "check.txt", "build.txt", "localize.txt", "evaluate.txt"})
+  for (const char* file : {"map.flmap", "results/hypotheses.csv", "check.txt", "check_later.json",
+                           "build.txt", "localize.txt", "evaluate.txt"})
     EXPECT_TRUE(fs::exists(folder + "/" + file)) << file;
   EXPECT_EQ(runTool<tryApp>({map_run(), query(), "-o", folder}).code, kOk) << "again, in the same folder";
 }
@@ -67,6 +68,13 @@ TEST_F(Tools, TryStopsWhereSomethingIsWrong) {
   EXPECT_THAT(runTool<tryApp>({map_run(), "-o", folder_ / "tried", "--depth-scale", "200000"}),
               fails("stopped at check"));
   EXPECT_FALSE(fs::exists(folder_ / "tried/map.flmap"));
+
+  const std::string later = folder_.copyOf(query(), "later");
+  std::string camera = contentOf(later + "/camera.ini");
+  const std::string key = "depth_scale=";
+  camera.insert(camera.find(key) + key.size(), "20");
+  writeContent(later + "/camera.ini", camera);
+  EXPECT_THAT(runTool<tryApp>({map_run(), later, "-o", folder_ / "tried"}), fails("stopped at check_later"));
 }
 
 }  // namespace

@@ -65,8 +65,10 @@ TEST_F(Tools, FromMapToEvaluation) {
     EXPECT_EQ(contentOf(folder_ / "1" + file), contentOf(folder_ / "2" + file)) << file;
   }
 
-  EXPECT_THAT(ok(runTool<evaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map()})).out,
-              HasAll("TABLE I.", "TABLE II.", "12 (100.00 %)"));
+  EXPECT_THAT(
+      ok(runTool<evaluateApp>({folder_ / "1", query() + "/groundtruth.txt", "--map", map(), "--table-paper"}))
+          .out,
+      HasAll("TABLE I.", "TABLE II.", "12 (100.00 %)"));
   for (const char* file : {"evaluation.txt", "tables.csv", "frames.csv", "fig6.csv"})
     EXPECT_TRUE(fs::exists(folder_ / "1/evaluation/" + file)) << file;
 }

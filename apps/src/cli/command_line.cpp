@@ -126,6 +126,10 @@ CommandLine::Semantic* CommandLine::bound(bool& value, const std::string& value_
   return po::value(&value)->value_name(value_name)->default_value(value, value ? "1" : "0");
 }
 
+CommandLine::Semantic* CommandLine::bound(std::vector<std::string>& values, const std::string& value_name) {
+  return po::value(&values)->value_name(value_name);
+}
+
 CommandLine::Semantic* CommandLine::bound(double& value, const std::string& value_name) {
   return po::value(&value)->value_name(value_name)->default_value(value, fmt::format("{:g}", value));
 }

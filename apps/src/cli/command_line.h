@@ -52,7 +52,8 @@ public:
   /** \brief The last argument, of which there is at least one. */
   void addArguments(const std::string& name, std::vector<std::string>& values);
 
-  /** \brief An option with a value; "name,n" gives it a short form. Defaults of strings are not shown. */
+  /** \brief An option with a value; "name,n" gives it a short form. Strings are shown without their default.
+   * A list of strings has one for each time that it is given. */
   template <class T>
   void addOption(const std::string& name, T& value, const std::string& value_name, const std::string& help) {
     add(common(), name, bound(value, value_name), help);
@@ -131,6 +132,7 @@ private:
 
   static Semantic* bound(std::string& value, const std::string& value_name);
   static Semantic* bound(bool& value, const std::string& value_name);
+  static Semantic* bound(std::vector<std::string>& values, const std::string& value_name);
   static Semantic* bound(double& value, const std::string& value_name);
   static Semantic* bound(int& value, const std::string& value_name);
   void add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
+#include "cli/findings_file.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "drawing/offscreen_display.h"
@@ -82,6 +83,7 @@ private:
     PlaceTruth truth;
     std::optional<Map> map;
     std::optional<ResultsAlignment> alignment{};
+    Findings findings{};
     std::vector<StartCurve> starts{};  // answers after each of several starts of a drive
   };
 
@@ -89,12 +91,15 @@ private:
     line.addArgument("RESULTS", results_);
     line.addArgument("GROUNDTRUTH", truth_, false);
     line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation unless given.");
+    line.addOption("known", known_, "FILE",
+                   "Findings of facetloc_check --findings about the recordings; may be given several times.");
     line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
     line.addOption("map-groundtruth", map_truth_, "FILE",
                    "True poses of the map's images, if those in the map may differ.");
     line.addSwitch(
         "align", align_,
         "First align the results with the truth, by the rigid motion that most sure answers share.");
+    line.addSwitch("table-paper", beside_paper_, "Show the paper's figures beside these.");
     addPoseTolerance(line, pose_tolerance_);
     addTimeOffset(line, time_offset_);
     line.addParams(params_, "evaluation", CommandLine::Shown::in_help);
@@ -157,11 +162,44 @@ private:
     if (any && !posed) throw IoError(results_, "has no world poses: the map has none");
   }
 
-  EvaluationReport reportOf(const Input& input) const {
+  /** Findings about the recordings, then those of localization; each of them once. */
+  Findings readKnown(const std::vector<RunResults>& runs) const {
+    Findings all;
+    const auto add = [&all](const fs::path& file) {
+      for (Finding& finding : readFindings(file))
+        if (std::none_of(all.begin(), all.end(), [&](const Finding& other) {
+              return other.id == finding.id && other.words.find(finding.words) != std::string::npos;
+            }))
+          all.push_back(std::move(finding));
+    };
+    for (const std::string& file : known_) add(file);
+    for (const RunResults& run : runs)
+      if (const fs::path file = fs::path(results_) / run.name / kFindingsFile; fs::exists(file)) add(file);
+    return all;
+  }
+
+  /** The facts that the verdict rests on beside the answers. */
+  EvaluationReport begunReport(const Input& input) const {
     EvaluationReport report{results_, truth_, params_, {}, {}, {}};
+    report.findings = input.findings;
+    report.beside_paper = beside_paper_;
+    const auto all = [&input](const auto& holds) {
+      return std::all_of(input.runs.begin(), input.runs.end(), holds);
+    };
+    report.as_drive = all([](const RunResults& run) { return run.as_drive; });
+    if (!input.map) return report;
+    requireSameMap(input.runs, *input.map, map_);
+    const auto images = input.map->meta.find(kImagesKey);
+    report.of_map = images != input.map->meta.end() && all([&](const RunResults& run) {
+                      return !run.images.empty() && run.images == imageSizes(images->second);
+                    });
+    return report;
+  }
+
+  EvaluationReport reportOf(const Input& input) const {
+    EvaluationReport report = begunReport(input);
     if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
       throw IoError(results_, "contains no results of any image");
-    if (input.map) requireSameMap(input.runs, *input.map, map_);
     const TrueModelPoses true_models = trueModelPoses(input);
     report.alignment = input.alignment;
     report.own_frame = input.alignment || (input.map && !hasGivenPose(*input.map));
@@ -196,8 +234,10 @@ private:
       return {};
     }
     const fs::path folder = folder_;
-    drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation);
-    return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures), *input.map,
+    drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation,
+                  judgesRelatively(report));
+    return drawMisses(folder / kFailureFolder,
+                      chosenMisses(report.evaluation, kFailures, judgesRelatively(report)), *input.map,
                       input.truth, input.runs, console);
   }
 
@@ -246,9 +286,9 @@ private:
   int reportWithoutTruth(const Input& input, const Console& console) {
     if (align_ || !map_truth_.empty())
       throw UsageError("GROUNDTRUTH is missing: --align and --map-groundtruth need it");
-    EvaluationReport report{results_, {}, params_, withoutTruth(input.runs), {}, {}};
+    EvaluationReport report = begunReport(input);
+    report.evaluation = withoutTruth(input.runs);
     if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
-    if (input.map) requireSameMap(input.runs, *input.map, map_);
     for (const RunResults& run : input.runs)
       report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
     createFolders(folder_);
@@ -266,6 +306,8 @@ private:
     }
     Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }), {}, {}};
     if (!map_.empty()) input.map = readMap(map_);
+    input.findings = readKnown(input.runs);
+    params_ = withinTruth(params_, input.findings);
     if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
     if (truth_.empty()) return reportWithoutTruth(input, console);
     input.truth = PlaceTruth::open(truth_, time_offset_);
@@ -290,7 +332,8 @@ private:
   }
 
   std::string results_, truth_, folder_, map_, map_truth_;
-  bool align_ = false;
+  std::vector<std::string> known_;  // files of findings
+  bool align_ = false, beside_paper_ = false;
   double pose_tolerance_ = 0.02, time_offset_ = 0;
   EvaluationParams params_;
 };

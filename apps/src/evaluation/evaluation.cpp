@@ -331,7 +331,10 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Rema
     const std::string name = run.filename().string();
     runs.push_back({single ? "" : name, readHypotheses(run, remark), {}, name, {}});
     runs.back().covariances = readCovariances(run, remark);
-    if (auto provenance = Provenance::read(run)) runs.back().images = std::move(provenance->images);
+    if (auto provenance = Provenance::read(run)) {
+      runs.back().images = std::move(provenance->images);
+      runs.back().as_drive = provenance->params_ini.find("\nsequence = 1\n") != std::string::npos;
+    }
     if (const std::size_t undone = imagesWithout(runs.back()); remark && undone > 0)
       remark(fmt::format("{}: the run was not finished: {} of {} without a result", run.string(),
                          counted(undone, "image"), runs.back().images.size()));

@@ -33,7 +33,7 @@ Json::Value errorData(const EvaluationReport& report, CumulativeHistogram Summar
   if (data.isNull()) return data;
   data["limit"] = limit;
   data["marks"]["99 %"] = (report.summaries.front().*errors).bound(kMarkedShare);
-  if (isPapersExperiment(report)) data["marks"]["99 % in the paper"] = paper_bound;
+  if (report.beside_paper) data["marks"]["99 % in the paper"] = paper_bound;
   return data;
 }
 

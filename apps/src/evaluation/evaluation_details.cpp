@@ -52,12 +52,14 @@ StageTime stageTime(const std::string& stage, std::vector<double> ms) {
   return {stage, histogram.x.size(), s.mean, histogram.bound(0.5), histogram.bound(kMostShare), s.max};
 }
 
-std::optional<MissKind> missKind(const FrameEvaluation& f) {
-  if (f.state == AnswerState::sure && f.first_correct != 1) return MissKind::confident_wrong;
+std::optional<MissKind> missKind(const FrameEvaluation& f, bool relative) {
+  const std::optional<bool> right = isRight(f, relative);
+  if (f.state == AnswerState::sure && !right.value_or(true)) return MissKind::confident_wrong;
   if (f.unmapped) {
     if (f.hypotheses > 0 && f.probability >= kUnsure) return MissKind::sure_of_nothing;
     return {};
   }
+  if (right.value_or(false)) return {};
   if (f.first_correct == 0 && (f.covered || f.frame_class == FrameClass::unknown)) return MissKind::not_found;
   if (f.first_correct > 1) return MissKind::not_first;
   return {};
@@ -93,9 +95,12 @@ Evaluation withoutTruth(const std::vector<RunResults>& runs) {
 }
 
 std::optional<bool> isRight(const FrameEvaluation& frame, bool relative) {
-  if (frame.hypotheses == 0) return {};
-  if (relative) return frame.local_error ? std::optional<bool>(frame.locally_correct) : std::nullopt;
-  return frame.best_error ? std::optional<bool>(frame.first_correct == 1) : std::nullopt;
+  if (frame.hypotheses == 0 || !errorOf(frame, relative)) return {};
+  return relative ? frame.locally_correct : frame.first_correct == 1;
+}
+
+const std::optional<PoseError>& errorOf(const FrameEvaluation& frame, bool relative) {
+  return relative ? frame.local_error : frame.best_error;
 }
 
 std::vector<ErrorGroup> errorsByVisiblePlanes(const std::vector<FrameEvaluation>& frames) {
@@ -129,10 +134,10 @@ const char* toString(MissKind kind) {
   return kNames[static_cast<int>(kind)];
 }
 
-std::vector<Miss> misses(const Evaluation& evaluation) {
+std::vector<Miss> misses(const Evaluation& evaluation, bool relative) {
   std::vector<Miss> found;
   for (const FrameEvaluation& f : framesInQuestion(evaluation))
-    if (const auto kind = missKind(f)) found.push_back({*kind, f});
+    if (const auto kind = missKind(f, relative)) found.push_back({*kind, f});
   std::stable_sort(found.begin(), found.end(), [](const Miss& a, const Miss& b) { return a.kind < b.kind; });
   return found;
 }

@@ -17,6 +17,8 @@ Evaluation withoutTruth(const std::vector<RunResults>& runs);
 /** \brief Whether the first pose of an answer is right; empty without a pose or a known error.
  * \param relative by the error relative to its local model, else by the one in the world */
 std::optional<bool> isRight(const FrameEvaluation& frame, bool relative);
+/** \brief Error of the first pose of an answer, by which isRight() judges it. */
+const std::optional<PoseError>& errorOf(const FrameEvaluation& frame, bool relative);
 
 /** \brief The frames for which a quantity lies in [lowest, highest); summary.name is that range in words. */
 struct ErrorGroup {
@@ -57,7 +59,8 @@ struct Miss {
   MissKind kind = MissKind::not_found;
   FrameEvaluation frame;
 };
-/** \brief The misses among the frames in question, by kind; a frame is in the first kind that fits. */
-std::vector<Miss> misses(const Evaluation& evaluation);
+/** \brief The misses among the frames in question, by kind; a frame is in the first kind that fits. \param
+ * relative as in isRight() */
+std::vector<Miss> misses(const Evaluation& evaluation, bool relative = false);
 
 }  // namespace facetloc

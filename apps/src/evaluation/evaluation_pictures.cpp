@@ -37,9 +37,9 @@ std::vector<DrawnRun> drawnRuns(const PlaceTruth& truth) {
   return runs;
 }
 
-std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation) {
+std::vector<DrawnMarks> drawnMarks(const Evaluation& evaluation, bool relative) {
   std::vector<DrawnMarks> marks;
-  for (const Miss& miss : misses(evaluation)) {
+  for (const Miss& miss : misses(evaluation, relative)) {
     if (marks.empty() || marks.back().name != toString(miss.kind))
       marks.push_back({toString(miss.kind), {}, colourOf(miss.kind)});
     marks.back().T_w_c.push_back(miss.frame.T_w_c);
@@ -122,8 +122,8 @@ std::string whatFailed(const FrameEvaluation& frame) {
 }  // namespace
 
 void drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth,
-                   const Evaluation& evaluation) {
-  drawFloorMap(path, map, drawnRuns(truth), drawnMarks(evaluation));
+                   const Evaluation& evaluation, bool relative) {
+  drawFloorMap(path, map, drawnRuns(truth), drawnMarks(evaluation, relative));
 }
 
 std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const MapPage& page) {
@@ -191,9 +191,9 @@ MapPage pageOfAnswers(const Map& map, const PlaceTruth& truth, const std::vector
   return page;
 }
 
-std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most) {
+std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most, bool relative) {
   std::map<MissKind, std::vector<Miss>> by_kind;
-  for (const Miss& miss : misses(evaluation)) by_kind[miss.kind].push_back(miss);
+  for (const Miss& miss : misses(evaluation, relative)) by_kind[miss.kind].push_back(miss);
   std::map<MissKind, std::size_t> shares;
   std::size_t total = 0;
   for (bool any = true; any && total < most;) {

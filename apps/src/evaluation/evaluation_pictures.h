@@ -17,7 +17,7 @@ namespace facetloc {
 
 /** \brief The map with all runs through it, and where it failed. */
 void drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
-                   const Evaluation& evaluation);
+                   const Evaluation& evaluation, bool relative);
 
 /** \brief The map from above as svgFloorMap(), with the images in question in the colours of their answers:
  * where they were taken, or else where the answers say. */
@@ -38,7 +38,7 @@ MapPage pageOfAnswers(const Map& map, const PlaceTruth& truth, const std::vector
 
 /** \brief Misses to be shown, at most that many: equally many of each kind, as far as there are, spread
  * over the run. */
-std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most);
+std::vector<Miss> chosenMisses(const Evaluation& evaluation, std::size_t most, bool relative = false);
 
 /** \brief Removes the pictures that drawMisses() has drawn, and nothing else. */
 void removeMisses(const std::filesystem::path& folder);

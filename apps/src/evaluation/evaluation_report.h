@@ -5,6 +5,8 @@
 #include "evaluation/start_curves.h"
 #include "evaluation/trajectory_errors.h"
 
+#include <facetloc/features/finding.h>
+
 #include <filesystem>
 #include <optional>
 #include <ostream>
@@ -31,6 +33,10 @@ struct EvaluationReport {
   std::optional<ResultsAlignment> alignment{};
   bool own_frame = false;                    ///< the map lies in another frame than the truth
   std::optional<Alignment> map_alignment{};  ///< then: local models against their true poses, if known
+  Findings findings{};                       ///< about the recordings and their localization
+  bool of_map = false;                       ///< the images localized are those that the map was made of
+  bool as_drive = false;                     ///< they were localized as a sequence
+  bool beside_paper = false;                 ///< the paper's figures stand beside these
 
   bool isJudged() const { return !truth.empty(); }
 };

@@ -277,9 +277,9 @@ std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::v
   return tables;
 }
 
-std::vector<ReportTable> missTables(const Evaluation& evaluation) {
+std::vector<ReportTable> missTables(const Evaluation& evaluation, bool relative) {
   std::vector<ReportTable> tables;
-  for (const Miss& miss : misses(evaluation)) {
+  for (const Miss& miss : misses(evaluation, relative)) {
     if (tables.empty() || tables.back().title != toString(miss.kind)) {
       tables.push_back({toString(miss.kind),
                         TextTable({"image", "planes", "solvable", "nearest local model", "probability",

@@ -26,9 +26,9 @@ struct ReportTable {
  * \param timing may be empty \param beside_paper else the paper's figures and the numbers of its tables are
  * left out */
 std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
-                                      const std::vector<TimingRow>& timing, bool beside_paper = true);
+                                      const std::vector<TimingRow>& timing, bool beside_paper);
 /** \brief The frames that miss, and why as far as the data tell; the last column holds words. */
-std::vector<ReportTable> missTables(const Evaluation& evaluation);
+std::vector<ReportTable> missTables(const Evaluation& evaluation, bool relative);
 
 /** \brief Tables I and II and further ones as CSV, one column per summary. */
 void writeTables(std::ostream& out, const std::vector<Summary>& summaries);

@@ -3,6 +3,9 @@
 
 #include "cli/text.h"
 
+#include <facetloc/features/pose.h>
+#include <facetloc/localization/sure_calibration.h>
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
@@ -11,8 +14,21 @@
 namespace facetloc {
 namespace {
 
+constexpr double kPlaceDistance = 0.5, kPlaceRotationDeg = 20;  // limits of one and the same place
+constexpr double kTruthShare = 3;     // limits of an answer, as multiples of the disagreement of the truth
+constexpr double kTolerated = 0.005;  // share of the sure answers that may be wrong
+
 /** Why an image has no sure answer, in the order in which reasons are looked for. */
-enum class Obstacle { not_mapped, not_covered, few_planes, no_place, undecided, aliased, misplaced };
+enum class Obstacle {
+  not_mapped,
+  not_covered,
+  few_planes,
+  no_place,
+  undecided,
+  aliased,
+  inaccurate,
+  misplaced
+};
 
 std::string percent(std::size_t n, std::size_t total) {
   const double share = total == 0 ? 0 : 100.0 * static_cast<double>(n) / static_cast<double>(total);
@@ -27,13 +43,32 @@ std::string lengthText(double metres) {
   return metres < 0.1 ? fmt::format("{:.0f} mm", 1000 * metres) : fmt::format("{:.2f} m", metres);
 }
 
+bool isSamePlace(const PoseError& error) {
+  return error.translation <= kPlaceDistance && error.rotation_deg <= kPlaceRotationDeg;
+}
+
+struct Errors {
+  std::vector<double> metres, degrees;
+  std::size_t elsewhere = 0;  // errors beyond the limits of a place
+
+  void add(const PoseError& error) {
+    metres.push_back(error.translation);
+    degrees.push_back(error.rotation_deg);
+    elsewhere += !isSamePlace(error);
+  }
+  std::string text() const {
+    return fmt::format("{}off by {} and {:.1f}°{}", elsewhere == 0 ? "at the right place, " : "",
+                       lengthText(median(metres)), median(degrees), metres.size() == 1 ? "" : " (median)");
+  }
+};
+
 /** The counts behind the verdict. */
 struct Counts {
   std::vector<FrameEvaluation> frames;
   bool relative = false;
   std::size_t sure = 0, judged = 0, right = 0, first_right = 0, places = 0;
-  std::vector<double> metres, degrees;              // errors of sure answers that are right
-  std::vector<double> wrong_metres, wrong_degrees;  // errors of sure answers that are wrong
+  Errors right_errors, wrong_errors;  // errors of sure answers
+  Errors inaccurate;                  // errors of others at the right place
   std::map<Obstacle, std::size_t> obstacles;
   std::map<std::string, std::size_t> reasons;  // why there is no place
 };
@@ -45,7 +80,9 @@ Obstacle obstacleOf(const FrameEvaluation& f, bool relative) {
   if (f.solvable && !*f.solvable) return Obstacle::few_planes;
   if (f.hypotheses == 0) return Obstacle::no_place;
   const auto right = isRight(f, relative);
-  return !right ? Obstacle::undecided : *right ? Obstacle::aliased : Obstacle::misplaced;
+  if (!right) return Obstacle::undecided;
+  if (*right) return Obstacle::aliased;
+  return isSamePlace(*errorOf(f, relative)) ? Obstacle::inaccurate : Obstacle::misplaced;
 }
 
 void countSure(const FrameEvaluation& f, Counts& c) {
@@ -53,10 +90,8 @@ void countSure(const FrameEvaluation& f, Counts& c) {
   const auto right = isRight(f, c.relative);
   if (!right) return;
   ++c.judged;
-  const PoseError& error = c.relative ? *f.local_error : *f.best_error;
-  if (*right) ++c.right;
-  (*right ? c.metres : c.wrong_metres).push_back(error.translation);
-  (*right ? c.degrees : c.wrong_degrees).push_back(error.rotation_deg);
+  c.right += *right;
+  (*right ? c.right_errors : c.wrong_errors).add(*errorOf(f, c.relative));
 }
 
 Counts countsOf(const EvaluationReport& report) {
@@ -70,7 +105,9 @@ Counts countsOf(const EvaluationReport& report) {
       countSure(f, c);
       continue;
     }
-    ++c.obstacles[obstacleOf(f, c.relative)];
+    const Obstacle obstacle = obstacleOf(f, c.relative);
+    ++c.obstacles[obstacle];
+    if (obstacle == Obstacle::inaccurate) c.inaccurate.add(*errorOf(f, c.relative));
     if (f.hypotheses == 0) ++c.reasons[f.reason];
   }
   return c;
@@ -80,15 +117,15 @@ std::string rightSentence(const Counts& c, const EvaluationParams& p) {
   if (c.sure == 0) return "No answer is sure, so none can be acted on.";
   if (c.judged == 0) return "Whether these are right is not known: there are no true poses to judge them by.";
   const std::string limits = fmt::format(
-      "within {:.9g} m and {:.9g}°{}", p.max_translation, p.max_rotation_deg,
+      "within {:.3g} m and {:.3g}°{}", p.max_translation, p.max_rotation_deg,
       c.relative ? " of the truth in their local models, since the map lies in a frame of its own" : "");
   const std::size_t wrong = c.judged - c.right;
-  if (wrong == 0) return fmt::format("All of these are right, {}.", limits);
-  const std::string others = wrong == 1 ? "the other one is off" : fmt::format("the other {} are off", wrong);
-  return fmt::format("{} of these {} right ({}), {}; {} by {} and {:.1f}°{}.", c.right,
-                     c.right == 1 ? "is" : "are", percent(c.right, c.judged), limits, others,
-                     lengthText(median(c.wrong_metres)), median(c.wrong_degrees),
-                     wrong == 1 ? "" : " (median)");
+  const std::string these =
+      c.judged == c.sure ? "these" : fmt::format("the {} of these that can be judged", c.judged);
+  if (wrong == 0) return fmt::format("All of {} are right, {}.", these, limits);
+  const std::string others = wrong == 1 ? "the other one is" : fmt::format("the other {} are", wrong);
+  return fmt::format("{} of {} {} right ({}), {}; {} {}.", c.right, these, c.right == 1 ? "is" : "are",
+                     percent(c.right, c.judged), limits, others, c.wrong_errors.text());
 }
 
 /** The share of images with an obstacle, from the verb on. */
@@ -112,6 +149,8 @@ std::string obstacleText(Obstacle obstacle, std::size_t n, const Counts& c) {
     return verb("fits", "fit") + " several places, or one that is not probable enough";
   case Obstacle::aliased:
     return verb("has", "have") + " the right pose first, but not probable enough: other places look the same";
+  case Obstacle::inaccurate:
+    return verb("is ", "are ") + c.inaccurate.text();
   case Obstacle::misplaced:
     break;
   }
@@ -142,38 +181,133 @@ std::string obstacleSentence(const Counts& c) {
   return fmt::format("Of the other {}, {}.", others, list);
 }
 
-std::string nextStep(const Counts& c) {
-  constexpr double kTolerated = 0.005;  // share of the sure answers that may be wrong
-  if (static_cast<double>(c.judged - c.right) >
-      kTolerated * static_cast<double>(std::max<std::size_t>(c.judged, 1)))
-    return "Bound the share of wrong answers: facetloc_map calibrate MAP.flmap RECORDING --alpha 0.01, with "
-           "a recording whose poses are known; then localize again.";
+/** Are all images taken from one point? Answers without a pose in the world do not count. */
+bool stoodStill(const EvaluationReport& report, const Counts& c) {
+  Eigen::AlignedBox3d way;
+  std::vector<Eigen::Matrix3d> turns;
+  for (const FrameEvaluation& f : c.frames) {
+    if (!report.isJudged() && f.T_w_c.isApprox(Eigen::Isometry3d::Identity())) continue;
+    way.extend(f.T_w_c.translation());
+    turns.push_back(f.T_w_c.linear());
+  }
+  return !turns.empty() && way.diagonal().norm() <= kPlaceDistance &&
+         std::all_of(turns.begin(), turns.end(), [&](const Eigen::Matrix3d& R) {
+           return rotationAngle(turns.front().transpose() * R) <= kPlaceRotationDeg * kDegree;
+         });
+}
+
+/** Would facetloc_map calibrate find a threshold by these images? */
+bool canCalibrate(const EvaluationReport& report, const Counts& c) {
+  if (report.own_frame || report.of_map) return false;
+  constexpr double kAlpha = 0.01;
+  std::vector<Eigen::Isometry3d> T_w_c;
+  for (const FrameEvaluation& f : c.frames) T_w_c.push_back(f.T_w_c);
+  SureCalibration calibration(kAlpha);
+  for (const std::size_t i : independentImages(T_w_c))
+    calibration.add(std::clamp(c.frames[i].probability, 0.0, 1.0),
+                    isRight(c.frames[i], c.relative).value_or(false));
+  return calibration.threshold().has_value();
+}
+
+std::string stepAgainstWrong(const EvaluationReport& report, const Counts& c) {
+  if (canCalibrate(report, c))
+    return "Bound the share of wrong answers: facetloc_map calibrate MAP.flmap RECORDING --alpha 0.01; then "
+           "localize again.";
+  double wrong = 0, right = 0;  // largest probabilities
+  for (const FrameEvaluation& f : c.frames)
+    if (const auto is_right = isRight(f, c.relative); is_right && f.state == AnswerState::sure)
+      (*is_right ? right : wrong) = std::max(*is_right ? right : wrong, f.probability);
+  for (const double least : {0.95, 0.98, 0.99, 0.995, 0.999, 0.9999})
+    if (wrong < least && right >= least)
+      return fmt::format("Count answers as sure from a probability of {0} on, which none of the wrong ones "
+                         "reaches: facetloc_localize --min-probability {0}.",
+                         least);
+  return "Look at the answers below that are sure and wrong.";
+}
+
+std::string nextStep(const EvaluationReport& report, const Counts& c) {
+  for (const Severity severity : {Severity::refusal, Severity::doubt})
+    if (const Finding* finding = firstOf(report.findings, severity))
+      return fmt::format("Settle first what is in doubt: {}.",
+                         finding->cure.empty() ? finding->words : finding->cure);
+  if (static_cast<double>(c.judged - c.right) > kTolerated * static_cast<double>(c.judged))
+    return stepAgainstWrong(report, c);
   const auto sorted = byNumber(c.obstacles);
   const std::size_t others = c.frames.size() - c.sure;
-  if (10 * others <= c.frames.size()) return "The map is ready to be used: facetloc_live --map MAP.flmap.";
+  if (10 * others <= c.frames.size()) {
+    if (report.of_map)
+      return "Localize a later recording of the place, since these are the images of the map: facetloc try "
+             "RECORDING LATER.";
+    if (stoodStill(report, c))
+      return "Localize a recording of a camera that moves through the place, since these images show one "
+             "view: facetloc try RECORDING LATER.";
+    return "The map is ready to be used: facetloc_live --map MAP.flmap.";
+  }
+  const char* drive = ", or localize the whole drive: facetloc_localize --sequence";
   switch (sorted[0].first) {
   case Obstacle::not_mapped:
   case Obstacle::not_covered:
     return "Record the places that the map lacks, and add them: facetloc_map extend MAP.flmap RECORDING -o "
            "LARGER.flmap.";
   case Obstacle::few_planes:
-    return "Let the camera see planes of three directions (turn it, or tilt it to the floor), or localize "
-           "the whole drive: facetloc_localize --sequence.";
+    return fmt::format("Let the camera see planes of three directions (turn it, or tilt it to the floor){}.",
+                       report.as_drive ? "" : drive);
   case Obstacle::no_place:
   case Obstacle::misplaced:
-    return "Look at the failures below; if furniture has moved, update the map: facetloc_map extend.";
+    return fmt::format("Look at the failures below{}.",
+                       report.of_map ? "" : "; if furniture has moved, update the map: facetloc_map extend");
   case Obstacle::undecided:
   case Obstacle::aliased:
+  case Obstacle::inaccurate:
     break;
   }
+  if (report.as_drive)
+    return "Add what distinguishes places that look the same: an odometry, or the start of the drive "
+           "(facetloc_localize --sequence --odometry FILE, or --near).";
   return "Localize the whole drive instead of single images, which distinguishes places that look the same: "
          "facetloc_localize --sequence.";
 }
 
+/** The disagreement of the true poses with the images. Poses that are refused say nothing. */
+PoseError disagreementOfTruth(const Findings& findings) {
+  PoseError worst;
+  for (const Finding& finding : findings) {
+    if (finding.id.rfind("poses.", 0) != 0 || finding.severity == Severity::refusal) continue;
+    for (const Evidence& number : finding.evidence) {
+      if (number.quantity == "rotation_deg") worst.rotation_deg = std::max(worst.rotation_deg, number.value);
+      if (number.quantity == "translation_m") worst.translation = std::max(worst.translation, number.value);
+    }
+  }
+  return worst;
+}
+
+std::vector<std::string> remarksOf(const EvaluationReport& report) {
+  std::vector<std::string> remarks;
+  const PoseError truth = disagreementOfTruth(report.findings);
+  const auto sets = [](double of_truth, double limit) {
+    return of_truth > 0 && kTruthShare * of_truth >= limit;
+  };
+  if (sets(truth.translation, report.params.max_translation) ||
+      sets(truth.rotation_deg, report.params.max_rotation_deg))
+    remarks.push_back(
+        fmt::format("The true poses disagree with the images by {:.2f}° and {}, so that answers "
+                    "within {:.0f} times that count as right.",
+                    truth.rotation_deg, lengthText(truth.translation), kTruthShare));
+  if (report.map_alignment)
+    remarks.push_back(
+        fmt::format("The map lies in a frame of its own and is bent by {:.1f}° and {} (RMS, its {} against "
+                    "their true poses).",
+                    report.map_alignment->rotation_residual_deg, lengthText(report.map_alignment->residual),
+                    counted(report.map_alignment->used, "local model")));
+  for (const Finding& finding : report.findings)
+    if (finding.severity >= Severity::doubt) remarks.push_back(fmt::format("In doubt: {}.", finding.text()));
+  return remarks;
+}
+
 /** How good sure answers are; or how far the others got, as far as that is known. */
 KeyFigure errorFigure(const Counts& c) {
-  if (!c.metres.empty())
-    return {fmt::format("{}, {:.2f}°", lengthText(median(c.metres)), median(c.degrees)),
+  if (const Errors& e = c.right_errors; !e.metres.empty())
+    return {fmt::format("{}, {:.2f}°", lengthText(median(e.metres)), median(e.degrees)),
             "median error of sure and right answers"};
   if (c.first_right > 0 || c.judged > 0)
     return {percent(c.first_right, c.frames.size()), "of the images have the right pose first"};
@@ -199,13 +333,14 @@ bool judgesRelatively(const EvaluationReport& report) {
          });
 }
 
-bool isPapersExperiment(const EvaluationReport& report) {
-  const auto has = [&](FrameClass frame_class) {
-    const auto& frames = report.evaluation.frames;
-    return std::any_of(frames.begin(), frames.end(),
-                       [&](const auto& f) { return f.frame_class == frame_class; });
-  };
-  return has(FrameClass::map_image) && has(FrameClass::new_image);
+EvaluationParams withinTruth(const EvaluationParams& given, const Findings& findings) {
+  const PoseError truth = disagreementOfTruth(findings);
+  EvaluationParams limits = given;
+  limits.max_translation =
+      std::max(given.max_translation, std::min(kTruthShare * truth.translation, kPlaceDistance));
+  limits.max_rotation_deg =
+      std::max(given.max_rotation_deg, std::min(kTruthShare * truth.rotation_deg, kPlaceRotationDeg));
+  return limits;
 }
 
 Verdict verdictOf(const EvaluationReport& report) {
@@ -216,20 +351,15 @@ Verdict verdictOf(const EvaluationReport& report) {
                                    c.frames.size() == 1 ? "" : "s", c.sure, c.sure == 1 ? "has" : "have",
                                    percent(c.sure, c.frames.size())),
                        rightSentence(c, report.params), obstacleSentence(c)};
-  if (report.map_alignment)
-    verdict.map =
-        fmt::format("The map lies in a frame of its own and is bent by {:.1f}° and {} (RMS, its {} against "
-                    "their true poses).",
-                    report.map_alignment->rotation_residual_deg, lengthText(report.map_alignment->residual),
-                    counted(report.map_alignment->used, "local model"));
-  verdict.next = nextStep(c);
+  verdict.remarks = remarksOf(report);
+  verdict.next = nextStep(report, c);
   verdict.figures = keyFigures(c, stageTimes(report.timing));
   return verdict;
 }
 
 void printVerdict(std::ostream& out, const Verdict& verdict) {
   for (const std::string& sentence : verdict.sentences) out << sentence << "\n";
-  if (!verdict.map.empty()) out << verdict.map << "\n";
+  for (const std::string& remark : verdict.remarks) out << remark << "\n";
   out << "Next: " << verdict.next << "\n";
 }
 

@@ -16,10 +16,11 @@ struct KeyFigure {
 
 /** \brief An evaluation in words, of its new images; of all where it is not known which are new. */
 struct Verdict {
-  std::vector<std::string> sentences;  ///< how many are sure; how many of these are right; why not the rest
-  std::string map;                 ///< how a map in a frame of its own differs from the truth; may be empty
-  std::string next;                ///< the next step
-  std::vector<KeyFigure> figures;  ///< four
+  std::vector<std::string>
+      sentences;  ///< how many are sure; how many of these are right; why the others are not
+  std::vector<std::string> remarks;  ///< limits of the truth and of the map, then doubts about the input
+  std::string next;                  ///< the next step
+  std::vector<KeyFigure> figures;    ///< four
 };
 Verdict verdictOf(const EvaluationReport& report);
 /** \brief Its sentences, one per line. */
@@ -29,7 +30,8 @@ void printVerdict(std::ostream& out, const Verdict& verdict);
  * its own, and the true poses of its images are known. */
 bool judgesRelatively(const EvaluationReport& report);
 
-/** \brief Whether images of the mapping run and later ones were judged together, as the paper did. */
-bool isPapersExperiment(const EvaluationReport& report);
+/** \brief Limits that are at least three times the disagreement between poses and images that findings
+ * state. No wider than a place, and not for poses that are refused. */
+EvaluationParams withinTruth(const EvaluationParams& given, const Findings& findings);
 
 }  // namespace facetloc

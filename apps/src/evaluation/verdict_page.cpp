@@ -21,7 +21,7 @@ void addVerdict(const Verdict& verdict, const ReportFigures& figures, HtmlPage& 
   page.begin("verdict");
   for (const std::string& sentence : verdict.sentences) page.paragraph(sentence);
   page.end();
-  if (!verdict.map.empty()) page.paragraph(verdict.map);
+  for (const std::string& remark : verdict.remarks) page.paragraph(remark);
   page.begin(figures.plan.empty() ? "first alone" : "first");
   page.insert(figures.plan);
   page.insert(figuresOf(verdict.figures));
@@ -34,7 +34,7 @@ void addVerdict(const Verdict& verdict, const ReportFigures& figures, HtmlPage& 
 
 void addMisses(const EvaluationReport& report, const std::vector<ReportPicture>& pictures, HtmlPage& page) {
   page.heading("Images that miss");
-  const std::vector<ReportTable> missing = missTables(report.evaluation);
+  const std::vector<ReportTable> missing = missTables(report.evaluation, judgesRelatively(report));
   if (missing.empty()) page.paragraph("None.");
   page.begin("pictures");
   for (const ReportPicture& p : pictures) page.picture(p.path, p.caption);
@@ -49,9 +49,9 @@ void addMisses(const EvaluationReport& report, const std::vector<ReportPicture>&
 
 void addTables(const EvaluationReport& report, HtmlPage& page) {
   page.heading("Tables");
-  page.beginFolded(isPapersExperiment(report) ? "All figures, beside those of the paper" : "All figures");
+  page.beginFolded(report.beside_paper ? "All figures, beside those of the paper" : "All figures");
   for (const ReportTable& t :
-       reportTables(report.evaluation, report.summaries, report.timing, isPapersExperiment(report)))
+       reportTables(report.evaluation, report.summaries, report.timing, report.beside_paper))
     page.table(t.title, t.table);
   page.end();
   page.beginFolded("How it was judged");

@@ -304,6 +304,14 @@ private:
     if (check.isKnown()) {
       line(console, "",
            "they disagree with the motions that the images show by " + check.as_given.toString());
+      if (!check.finding())
+        console.keep({"poses.accuracy",
+                      Severity::note,
+                      "poses and images disagree by " + check.as_given.toString(),
+                      "",
+                      {{"rotation_deg", check.as_given.rotation_deg},
+                       {"translation_m", check.as_given.translation},
+                       {"motions", static_cast<double>(check.as_given.motions)}}});
       for (const std::string& words : check.ratiosInWords()) line(console, "", words);
     }
     line(console, "map",

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/findings_file.h"
 #include "cli/heartbeat.h"
 #include "cli/tools.h"
 #include "evaluation/evaluation_report.h"
@@ -25,6 +26,16 @@ std::string lastLine(const std::string& text) {
   for (std::string line; std::getline(in, line);)
     if (!line.empty()) last = line;
   return last;
+}
+
+/** The paragraph before the last one. */
+std::string verdictIn(const std::string& text) {
+  const std::string gap = "\n\n";
+  const std::size_t end = text.rfind(gap);
+  if (end == std::string::npos || end == 0) return "";
+  const std::size_t before = text.rfind(gap, end - 1);
+  const std::size_t begin = before == std::string::npos ? 0 : before + gap.size();
+  return text.substr(begin, end + 1 - begin);
 }
 
 /** The folder of a recording, which is one or is in one. */
@@ -70,8 +81,8 @@ class TryApp : public App {
 public:
   TryApp()
       : App("facetloc try", "RECORDING [LATER] [-o DIR]",
-            "Goes from a recording to a report in one command. Checks how the RECORDING is read, builds a "
-            "map of it, and localizes the images of a LATER recording of the same place in that map. Without "
+            "Goes from a recording to a report in one command. Checks how both are read, builds a map of the "
+            "RECORDING, and localizes the images of a LATER recording of the same place in that map. Without "
             "LATER, it localizes the RECORDING itself, which is easier. Evaluates the answers by the LATER "
             "recording's poses, if available. DIR/report.html shows the result, beside the map, the results "
             "and the output of each tool.") {}
@@ -83,9 +94,10 @@ private:
     std::string what;
     MakeApp* tool;
     std::vector<std::string> arguments;
-    std::string advice{};  // if it fails
+    std::string checked{};  // the recording that it is about; its findings go to a file
 
     std::string textFile() const { return name + ".txt"; }  // receives the tool's output
+    std::string findingsFile() const { return name + ".json"; }
   };
 
   void addOptions(CommandLine& line) override {
@@ -121,42 +133,57 @@ private:
     const DepthSequence map_run = openSequence(recording_, hints, console);
     const DepthSequence query = openSequence(of_query, hints, console);
     if (query.stamped()) localize.emplace_back("--sequence");
+    std::vector<Stage> all = {
+        {"check", "how the recording is read", checkApp, withReading({recording_}), recording_}};
+    if (!later_.empty())
+      all.push_back({"check_later", "how the later one is read", checkApp, withReading({later_}), later_});
     std::vector<std::string> evaluate = {in("results"), "--map", in("map.flmap"), "-o", folder_};
+    for (const Stage& check : all) evaluate.insert(evaluate.end(), {"--known", in(check.findingsFile())});
     const bool own_frame = without_poses_ || map_run.groundTruth().empty();
     if (!query.groundTruth().empty()) {
       evaluate.insert(evaluate.begin() + 1, of_query);
       if (own_frame) evaluate.emplace_back("--align");
       if (!map_run.groundTruth().empty()) evaluate.insert(evaluate.end(), {"--map-groundtruth", recording_});
     }
-    return {{"check", "how the recording is read", checkApp, withReading({recording_}),
-             "no map gets better than its images: mend that first"},
-            {"build", "images to a map", mapBuildApp, build},
-            {"localize", "where the images were taken", localizeApp, localize},
-            {"evaluate",
-             query.groundTruth().empty() ? "no true poses: statistics of the answers alone"
-                                         : "the answers and the truth",
-             evaluateApp, evaluate}};
+    all.push_back({"build", "images to a map", mapBuildApp, build});
+    all.push_back({"localize", "where the images were taken", localizeApp, localize});
+    all.push_back({"evaluate",
+                   query.groundTruth().empty() ? "no true poses: statistics of the answers alone"
+                                               : "the answers and the truth",
+                   evaluateApp, evaluate});
+    return all;
   }
 
-  void runStage(const Stage& stage, std::size_t number, std::size_t of, const Console& console) const {
+  /** \return the tool's output */
+  std::string runStage(const Stage& stage, std::size_t number, std::size_t of, const Console& console) const {
     const std::string title = fmt::format("{}/{} {}", number, of, stage.name);
     console.print(fmt::format("{}: {}\n", title, stage.what));
     std::ostringstream out;
     double seconds = 0;
     int code = kOk;
+    Findings found;
     {
       const Heartbeat heartbeat(console, title);
-      code = stage.tool()->run(stage.arguments, heartbeat.console(out));
+      Console of_stage = heartbeat.console(out);
+      of_stage.findings = &found;
+      code = stage.tool()->run(stage.arguments, of_stage);
       seconds = heartbeat.seconds();
     }
+    for (Finding& finding : found) {
+      if (!stage.checked.empty()) finding.words = titleOf(stage.checked) + ": " + finding.words;
+      console.keep(finding);
+    }
+    if (!stage.checked.empty()) writeFindings(in(stage.findingsFile()), found);
     writeTextAtomically(in(stage.textFile()), [&](std::ostream& file) { file << out.str(); });
     if (code != kOk) {
       console.print(out.str());
-      throw std::runtime_error(fmt::format("stopped at {}{}; what it printed is in {}", stage.name,
-                                           stage.advice.empty() ? "" : ": " + stage.advice,
-                                           in(stage.textFile())));
+      throw std::runtime_error(
+          fmt::format("stopped at {}{}; what it printed is in {}", stage.name,
+                      stage.checked.empty() ? "" : ": no answer gets better than its images: mend that first",
+                      in(stage.textFile())));
     }
     console.print(fmt::format("    {:.1f} s: {}\n", seconds, lastLine(out.str())));
+    return out.str();
   }
 
   int execute(const CommandLine& line, const Console& console) override {
@@ -170,7 +197,9 @@ private:
     if (later_.empty())
       console.note(
           "no LATER recording: the images of the map itself are localized, which says little of another day");
-    for (std::size_t i = 0; i < all.size(); ++i) runStage(all[i], i + 1, all.size(), console);
+    std::string printed;
+    for (std::size_t i = 0; i < all.size(); ++i) printed = runStage(all[i], i + 1, all.size(), console);
+    console.print(verdictIn(printed));
     const std::string report = in("report.html");
     if (open_) openInBrowser(report, console);
     console.print("report in " + report + "\n");
