@@ -48,36 +48,36 @@ std::vector<DepthImage> withIntrinsics(const std::function<void(Intrinsics&)>& c
   return images;
 }
 
-std::string faultOf(const std::vector<DepthImage>& images) {
+std::string findingOf(const std::vector<DepthImage>& images) {
   Camera camera;
   camera.intrinsics = images.front().camera;
   const GeometryCheck check = checkGeometry(images, camera);
-  return check.faults.empty() ? std::string() : check.faults.front().words;
+  return check.findings.empty() ? std::string() : check.findings.front().text();
 }
 
 TEST(GeometryCheck, FindsNoFaultInCorrectImages) {
   const GeometryCheck check = checkGeometry(imagesOfARoom(), {});
-  EXPECT_THAT(check.faults, IsEmpty());
-  EXPECT_EQ(check.impossible(), nullptr);
+  EXPECT_THAT(check.findings, IsEmpty());
+  EXPECT_EQ(firstOf(check.findings, Severity::refusal), nullptr);
   EXPECT_EQ(check.images, std::size_t(kImages));
   EXPECT_GE(check.surfaces, 30u);
   EXPECT_NEAR(check.bend.ray_exponent, 0, 0.05);
   EXPECT_NEAR(check.bend.lens, 0, 0.02);
-  EXPECT_THAT(checkGeometry({}, {}).faults, IsEmpty());
+  EXPECT_THAT(checkGeometry({}, {}).findings, IsEmpty());
 }
 
 TEST(GeometryCheck, NamesDistancesAlongTheRays) {
   const auto distances = changed([](double z, const Eigen::Vector3d& ray) { return z * ray.norm(); });
-  EXPECT_THAT(faultOf(distances), HasSubstr("depth_is = distance"));
+  EXPECT_THAT(findingOf(distances), HasSubstr("depth_is = distance"));
   const GeometryCheck check = checkGeometry(distances, {});
-  ASSERT_NE(check.impossible(), nullptr);
+  ASSERT_NE(firstOf(check.findings, Severity::refusal), nullptr);
   EXPECT_NEAR(check.bend.ray_exponent, 1, 0.15);
   const auto taken_for_such = changed([](double z, const Eigen::Vector3d& ray) { return z / ray.norm(); });
-  EXPECT_THAT(faultOf(taken_for_such), HasSubstr("depth_is = z"));
+  EXPECT_THAT(findingOf(taken_for_such), HasSubstr("depth_is = z"));
 }
 
 TEST(GeometryCheck, NamesDisparities) {
-  EXPECT_THAT(faultOf(changed([](double z, const Eigen::Vector3d&) { return 4 / z; })),
+  EXPECT_THAT(findingOf(changed([](double z, const Eigen::Vector3d&) { return 4 / z; })),
               HasSubstr("disparities"));
 }
 
@@ -99,27 +99,53 @@ TEST(GeometryCheck, NamesALens) {
       }
   }
   const GeometryCheck check = checkGeometry(images, {});
-  ASSERT_FALSE(check.faults.empty());
-  EXPECT_THAT(check.faults.front().words, HasSubstr("as behind a lens"));
-  EXPECT_EQ(check.impossible(), nullptr) << "a map of such images is inaccurate, and no nonsense";
+  ASSERT_FALSE(check.findings.empty());
+  EXPECT_THAT(check.findings.front().words, HasSubstr("as behind a lens"));
+  EXPECT_EQ(firstOf(check.findings, Severity::refusal), nullptr)
+      << "a map of such images is inaccurate, and no nonsense";
   EXPECT_NEAR(check.bend.lens, k1, 0.07);
 }
 
-TEST(GeometryCheck, NamesOtherIntrinsicsByRightAngles) {
+TEST(GeometryCheck, DoubtsIntrinsicsByTheAnglesBetweenSurfaces) {
   for (const double factor : {0.7, 1.4}) {
     const auto images = withIntrinsics([factor](Intrinsics& k) { k.fx *= factor, k.fy *= factor; });
-    EXPECT_THAT(faultOf(images), HasSubstr("right angles")) << factor;
+    EXPECT_THAT(findingOf(images), HasSubstr("angles between the same surfaces")) << factor;
     const GeometryCheck check = checkGeometry(images, {});
-    ASSERT_TRUE(check.right_angles);
-    EXPECT_NEAR(check.right_angles->fx * factor, 1, 0.05);
-    EXPECT_NE(check.impossible(), nullptr);
+    ASSERT_TRUE(check.angles);
+    EXPECT_NEAR(check.angles->fx * factor, 1, 0.05);
+    EXPECT_EQ(firstOf(check.findings, Severity::refusal), nullptr) << "one witness alone";
   }
+}
+
+TEST(GeometryCheck, FewImagesAndOneViewSayNothingAboutAngles) {
+  std::vector<DepthImage> images = withIntrinsics([](Intrinsics& k) { k.fx *= 1.4, k.fy *= 1.4; });
+  images.resize(4);
+  EXPECT_FALSE(checkGeometry(images, {}).angles);
+}
+
+/** The findings on images with 1.4 times the focal length, and on poses that turn by other angles. */
+Findings withTurns(double ratio, double std) {
+  MapFindings findings;
+  findings.geometry = checkGeometry(withIntrinsics([](Intrinsics& k) { k.fx *= 1.4, k.fy *= 1.4; }), {});
+  findings.poses.emplace();
+  findings.poses->as_given.motions = 20;
+  findings.poses->turns = {ratio, ratio, ratio, std, 0, 1, 20};
+  return findings.list();
+}
+
+TEST(GeometryCheck, AsksTheTurnsOfThePosesAboutFocalLengths) {
+  EXPECT_NE(firstOf(withTurns(1 / 1.4, 0.01), Severity::refusal), nullptr) << "both ask for it";
+  EXPECT_THAT(withTurns(1, 0.01), IsEmpty()) << "the turns agree with the images as they are read";
+  const Findings unknown = withTurns(0.8, 0.2);
+  ASSERT_FALSE(unknown.empty());
+  EXPECT_EQ(unknown.front().id, "geometry.angles");
+  EXPECT_EQ(unknown.front().severity, Severity::doubt) << "turns that are not known well";
 }
 
 TEST(GeometryCheck, DoubtsPixelsThatAreNotSquare) {
   const GeometryCheck check = checkGeometry(withIntrinsics([](Intrinsics& k) { k.fx *= 1.15; }), {});
-  ASSERT_FALSE(check.faults.empty());
-  EXPECT_THAT(check.faults.back().words, HasSubstr("factor of 1.1"));
+  ASSERT_FALSE(check.findings.empty());
+  EXPECT_THAT(check.findings.back().words, HasSubstr("factor of 1.1"));
 }
 
 TEST(GeometryCheck, NothingIsMadeOfImagesThatCannotBeRight) {

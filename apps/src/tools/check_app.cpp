@@ -203,11 +203,10 @@ private:
   }
 
   void reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
-                      Findings& found) const {
+                      const Findings& found) const {
     if (isRefused(found) || !canBeReadAgain(sequence)) return;
     making.checkGeometry();
     const GeometryCheck& check = *making.findings().geometry;
-    append(making.findings().list(), found);
     if (check.surfaces > 0)
       line(console, "surfaces",
            fmt::format("{} in {} are flat{}", counted(check.surfaces, "large one"),
@@ -286,19 +285,15 @@ private:
   }
 
   void reportPoses(const DepthSequence& sequence, const Trajectory& poses, MapMaking& making,
-                   const Console& console, Findings& found) const {
+                   const Console& console, const Findings& found) const {
     const std::size_t all = sequence.frames().size();
     std::size_t posed = 0;
     for (std::size_t i = 0; i < all; ++i) posed += making.pose(i).has_value();
     line(console, "poses",
          fmt::format("{} from {:.3f} to {:.3f} s; {} of {} have one", poses.poses().size(),
                      poses.poses().front().stamp, poses.poses().back().stamp, counted(posed, "image"), all));
-    if (isRefused(found)) return;
-    const std::size_t known = making.findings().list().size();
+    if (isRefused(found) || isRefused(making.findings().list())) return;
     if (canBeReadAgain(sequence)) making.checkPoses();
-    Findings of_poses = making.findings().list();
-    of_poses.erase(of_poses.begin(), of_poses.begin() + static_cast<std::ptrdiff_t>(known));
-    append(std::move(of_poses), found);
     if (posed == 0) return;
     const PoseCheck check = making.findings().poses.value_or(PoseCheck());
     if (check.isKnown()) {
@@ -361,6 +356,7 @@ private:
       line(console, "map", "facetloc_map build will find the trajectory from the images");
     else
       reportPoses(sequence, poses, making, console, found);
+    append(making.findings().list(), found);  // the surfaces as the poses confirm them
     reportFloor(images, camera, poses, console, found);
     reportNoise(images, console, found);
     for (const Finding& finding : found) {

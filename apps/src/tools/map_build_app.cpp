@@ -244,13 +244,13 @@ private:
     const bool is_checked = !goes_on && canBeReadAgain(sequence);
     if (is_checked) {
       making.checkGeometry();
-      judge(making.findings().list(), console);
+      if (!force_ && firstOf(making.findings().list(), Severity::refusal))
+        judge(making.findings().list(), console);
     }
-    const std::size_t of_geometry = making.findings().list().size();
     int code = findTrajectory(sequence, making, console);
     writeTrajectory(sequence, making);
     if (is_checked && !given_.empty() && sequence.stamped()) making.checkPoses();
-    if (!goes_on) judge(making.findings().list(), console, of_geometry);
+    if (!goes_on) judge(making.findings().list(), console);
     if (const auto& check = making.findings().poses; check && check->isKnown())
       disagreement_ = check->as_given.toString();
     const std::vector<MapPlace> places = placesOf(sequence, making);

@@ -38,7 +38,7 @@ FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& c
 /** \brief How surfaces that look flat are bent nevertheless, beyond the reading that they were found with. */
 SurfaceBend bendOf(const FlatSurfaces& flat);
 
-/** \brief Nothing if fewer than 30 pairs of surfaces are about perpendicular. */
-std::optional<RightAngles> rightAngles(const FlatSurfaces& flat, const Intrinsics& camera);
+/** \brief Nothing if fewer than 5 images show two surfaces that are not parallel. */
+std::optional<SurfaceAngles> surfaceAngles(const FlatSurfaces& flat, const Intrinsics& camera);
 
 }  // namespace facetloc::internal

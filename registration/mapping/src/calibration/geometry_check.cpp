@@ -99,45 +99,31 @@ void checkLens(const FlatSurfaces& flat, const Intrinsics& k, GeometryCheck& che
 }
 
 /** "fx=525 fy=525 cx=319.5 cy=239.5", or factors where the images say their intrinsics. */
-std::string linesFor(const RightAngles& found, const Intrinsics& worked_on, const Intrinsics& full) {
+std::string linesFor(const SurfaceAngles& found, const Intrinsics& worked_on, const Intrinsics& full) {
   if (!full.valid()) return fmt::format("{:.2f} times fx and {:.2f} times fy", found.fx, found.fy);
   const double step = static_cast<double>(full.width) / worked_on.width;
   return fmt::format("about fx={:.4g} fy={:.4g} cx={:.4g} cy={:.4g}", found.fx * full.fx, found.fy * full.fy,
                      full.cx + step * found.cx, full.cy + step * found.cy);
 }
 
+/** A doubt at most: the same surfaces in all images are few witnesses. MapFindings::list() asks the poses. */
 void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Camera& camera,
                  GeometryCheck& check) {
-  constexpr double kLeastShare = 0.22, kMoreShare = 1.45;  // 1.28 times as much is found by chance
-  constexpr double kFarShare = 1.32, kFar = 0.1;           // large share of changes, and their size
-  constexpr double kLeastFocal = 0.04, kLeastCentre = 0.04;
-  constexpr double kSureShare = 0.3, kMuchMoreShare = 3, kMuch = 0.08;  // beyond which nothing else remains
-  check.right_angles = rightAngles(flat, worked_on);
-  if (!check.right_angles) return;
-  const RightAngles& a = *check.right_angles;
-  const auto changeOf = [](double factor, double std, double least) {
-    const double change = std::abs(factor - 1);
-    return change > least && isCertain(change, std) ? change : 0;
-  };
-  const double most =
-      std::max({changeOf(a.fx, a.fx_std, kLeastFocal), changeOf(a.fy, a.fy_std, kLeastFocal),
-                changeOf(1 + a.cx / worked_on.width, a.cx_std / worked_on.width, kLeastCentre),
-                changeOf(1 + a.cy / worked_on.width, a.cy_std / worked_on.width, kLeastCentre)});
-  const double gain = most > kFar ? kFarShare : kMoreShare;
-  if (most == 0 || a.share_by_best < kLeastShare || a.share_by_best < gain * a.share_as_given) return;
+  check.angles = surfaceAngles(flat, worked_on);
+  if (!check.angles || !check.angles->contradicts()) return;
+  const SurfaceAngles& a = *check.angles;
   check.findings.push_back(
-      {"geometry.right_angles",
-       most > kMuch && a.share_by_best > kSureShare && a.share_by_best > kMuchMoreShare * a.share_as_given
-           ? Severity::refusal
-           : Severity::doubt,
+      {"geometry.angles",
+       Severity::doubt,
        fmt::format(
-           "surfaces that meet at right angles do not as the images are read: {:.0f} % of {} pairs are "
-           "perpendicular, and {:.0f} % with {}; look at fx, fy, cx and cy of camera.ini",
-           100 * a.share_as_given, a.pairs, 100 * a.share_by_best, linesFor(a, worked_on, camera.intrinsics)),
-       "",
-       {{"pairs", static_cast<double>(a.pairs)},
-        {"share_as_given", a.share_as_given},
-        {"share_by_best", a.share_by_best}}});
+           "the angles between the same surfaces differ from image to image: the {} pairs in {} images "
+           "agree better with {}",
+           a.pairs, a.images, linesFor(a, worked_on, camera.intrinsics)),
+       "look at fx, fy, cx and cy of camera.ini",
+       {{"gain_nats", a.gain, a.gain_std},
+        {"images", static_cast<double>(a.images)},
+        {"fx_factor", a.fx},
+        {"fy_factor", a.fy}}});
 }
 
 void checkPixels(const Intrinsics& k, GeometryCheck& check) {
@@ -156,6 +142,11 @@ void checkPixels(const Intrinsics& k, GeometryCheck& check) {
 }
 
 }  // namespace
+
+bool SurfaceAngles::contradicts() const {
+  constexpr double kOdds = 20, kTwice = 2;  // standard deviations
+  return gain > std::log(kOdds) && gain > kTwice * gain_std;
+}
 
 GeometryCheck checkGeometry(const std::vector<DepthImage>& images, const Camera& camera) {
   GeometryCheck check;

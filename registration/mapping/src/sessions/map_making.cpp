@@ -156,11 +156,35 @@ void judge(const DistortionEstimate& found, bool own_trajectory, Findings& all) 
                    {{"rotation_deg", degrees}, {"translation_mm", mm}}});
 }
 
+/** Compares the focal lengths that the angles between surfaces ask for with the turns of the poses, which
+ * share no error with them: a focal length that is too long makes the images turn too little. One that both
+ * ask for is certain; one that the turns exclude is not mentioned. */
+void judgeAngles(const SurfaceAngles& angles, const PoseCheck& poses, Findings& all) {
+  constexpr double kCertain = 4, kLeast = 0.02;  // standard deviations; least one of a logarithm
+  const auto doubt = std::find_if(all.begin(), all.end(),
+                                  [](const Finding& finding) { return finding.id == "geometry.angles"; });
+  const MotionRatio& turns = poses.turns;
+  if (doubt == all.end() || turns.motions == 0 || !poses.convention.empty()) return;
+  const double asked = std::sqrt(angles.fx * angles.fy),
+               margin = std::exp(kCertain * std::max(turns.std, kLeast));
+  const auto allow = [&](double ratio) {
+    return ratio * margin > turns.lowest && ratio < turns.highest * margin;
+  };
+  if (allow(1) && !allow(asked)) {
+    all.erase(doubt);
+  } else if (allow(asked) && !allow(1)) {
+    doubt->severity = Severity::refusal;
+    doubt->words += fmt::format(", and the images turn {:.3f} times as much as their poses", turns.ratio);
+    doubt->evidence.push_back({"turns", turns.ratio, turns.std});
+  }
+}
+
 }  // namespace
 
 Findings MapFindings::list() const {
   Findings all;
   if (geometry) all = geometry->findings;
+  if (geometry && geometry->angles && poses) judgeAngles(*geometry->angles, *poses, all);
   const bool mostly = without_pose > images / 2;
   if (without_pose > 0)
     all.push_back(

@@ -63,26 +63,32 @@ struct SurfaceBend {
   double flat_share = 0;      ///< expected share of the image that the surface of a pixel covers
 };
 
-/** \brief Intrinsics by which most surfaces that are nearly perpendicular are exactly so (METHOD 2.2). */
-struct RightAngles {
-  std::size_t pairs = 0;                         ///< pairs of surfaces, each in one image
-  double share_as_given = 0, share_by_best = 0;  ///< weight of the pairs that are perpendicular
-  double fx = 1, fy = 1;                         ///< the best ones, by the given ones
-  double cx = 0, cy = 0;                         ///< the best ones minus the given ones [px]
-  double fx_std = 0, fy_std = 0, cx_std = 0, cy_std = 0;
+/** \brief Intrinsics by which the angles between surfaces agree best over the images (METHOD 2.2): with the
+ * right ones, the angle between two surfaces is the same from every point of view. */
+struct SurfaceAngles {
+  std::size_t pairs = 0, images = 0;  ///< pairs of surfaces, each in one image; images that show some
+  double fx = 1, fy = 1;              ///< the best ones, by the given ones
+  double cx = 0, cy = 0;              ///< the best ones minus the given ones [px]
+  double gain = 0;  ///< log likelihood ratio of the best to those as read, give or take the errors of usual
+                    ///< calibrations, with an image as one observation, less the cost of unusual
+                    ///< cameras [nats]; 0 if the best are within these errors
+  double gain_std = 0;  ///< standard deviation, from the scatter over the images
+
+  /** \brief Are other intrinsics certainly better than those as read? */
+  bool contradicts() const;
 };
 
 /** \brief Evidence in depth images alone of how they must be read. */
 struct GeometryCheck {
   std::size_t images = 0, surfaces = 0;  ///< that were looked at
   SurfaceBend bend;
-  std::optional<RightAngles> right_angles;  ///< nothing if there are too few pairs
-  Findings findings;                        ///< the clearest first
+  std::optional<SurfaceAngles> angles;  ///< nothing if there are too few pairs
+  Findings findings;                    ///< the clearest first
 };
 
 /** \brief Tests the largest flat surfaces of some images of one camera: whether they are flat as read, as
- * distances along the rays, or behind a lens; and whether those that are about perpendicular are so with the
- * intrinsics of the images, or with other ones.
+ * distances along the rays, or behind a lens; and whether the angles between them agree over the images with
+ * their intrinsics, or with other ones.
  *
  * A plane stays a plane whatever fx, fy, cx and cy are; these show in the angles between planes only.
  * \param images as they are worked on, valid, of one size; some dozen, from all over a recording */
