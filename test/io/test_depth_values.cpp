@@ -4,7 +4,10 @@
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/png.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 
 namespace facetloc::test {
 namespace {
@@ -23,51 +26,127 @@ ValueCheck check(const std::function<int(int)>& change, double depth_scale = 100
   return checkValues(depthValues(DepthSequence::open(folder.path())), depth_scale);
 }
 
+std::vector<std::string> wordsOf(const Findings& findings) {
+  std::vector<std::string> words;
+  for (const Finding& finding : findings) words.push_back(finding.words);
+  return words;
+}
+
 TEST(DepthValues, FindNoFaultWithMillimetres) {
   const ValueCheck found = check([](int v) { return v; });
-  EXPECT_THAT(found.faults, IsEmpty());
-  EXPECT_FALSE(found.impossible);
+  EXPECT_THAT(found.findings, IsEmpty());
   EXPECT_EQ(found.values.divisor, 1);
   EXPECT_GT(found.median_depth, 0.6);
-  EXPECT_THAT(check([](int v) { return 5 * v; }, 5000).faults, IsEmpty()) << "steps of a millimetre";
+  EXPECT_THAT(check([](int v) { return 5 * v; }, 5000).findings, IsEmpty()) << "steps of a millimetre";
 }
 
 TEST(DepthValues, NameSwappedBytes) {
   const ValueCheck found = check([](int v) { return (v >> 8) | (v << 8); });
-  EXPECT_THAT(found.faults, ElementsAre(HasSubstr("bytes of the PNG values are swapped")));
-  EXPECT_TRUE(found.impossible);
+  EXPECT_THAT(wordsOf(found.findings), ElementsAre(HasSubstr("bytes of the PNG values are swapped")));
+  EXPECT_NE(firstOf(found.findings, Severity::refusal), nullptr);
 }
 
 TEST(DepthValues, NameRotatedBits) {
   const ValueCheck found = check([](int v) { return (v << 3) | (v >> 13); });
-  ASSERT_FALSE(found.faults.empty());
-  EXPECT_THAT(found.faults.front(), HasAll("multiples of 8", "8000", "by 3"));
+  ASSERT_FALSE(found.findings.empty());
+  EXPECT_THAT(found.findings.front().words, HasAll("multiples of 8", "8000", "by 3"));
 }
 
 TEST(DepthValues, NameEightBits) {
-  EXPECT_THAT(check([](int v) { return 257 * (v / 16); }).faults.front(), HasSubstr("8 bits"));
-  EXPECT_THAT(check([](int v) { return v / 16; }, 62.5).faults.front(), HasSubstr("8 bits"));
+  EXPECT_THAT(check([](int v) { return 257 * (v / 16); }).findings.front().words, HasSubstr("8 bits"));
+  EXPECT_THAT(check([](int v) { return v / 16; }, 62.5).findings.front().words, HasSubstr("8 bits"));
 }
 
 TEST(DepthValues, NameAScaleThatNoCameraHas) {
-  EXPECT_THAT(check([](int v) { return v; }, 50).faults, ElementsAre(HasSubstr("beyond 10 m")));
-  EXPECT_THAT(check([](int v) { return v; }, 5000).faults,
+  EXPECT_THAT(wordsOf(check([](int v) { return v; }, 50).findings), ElementsAre(HasSubstr("beyond 10 m")));
+  EXPECT_THAT(wordsOf(check([](int v) { return v; }, 5000).findings),
               ElementsAre(HasSubstr("nearer than depth cameras")));
 }
 
 TEST(DepthValues, OtherFormatsAreUnknown) {
   const ValueCheck found = checkValues({}, 1000);
-  EXPECT_THAT(found.faults, IsEmpty());
-  EXPECT_FALSE(found.impossible);
+  EXPECT_THAT(found.findings, IsEmpty());
 }
 
 TEST(Optics, OfAnotherSizeOrUnitAreNamed) {
-  EXPECT_EQ(opticsFault({}), "");
-  EXPECT_EQ(opticsFault(kinectIntrinsics()), "");
-  EXPECT_EQ(opticsFault({640, 576, 252, 252, 310, 340}), "") << "120 deg";
-  EXPECT_THAT(opticsFault({160, 120, 262, 262, 159.5, 119.5}), HasSubstr("probably of images of 320x240"));
-  EXPECT_THAT(opticsFault({640, 480, 525, 525, 319.5, 20}), HasSubstr("border: is the calibration"));
-  EXPECT_THAT(opticsFault({160, 120, 0.91, 0.91, 0.5, 0.5}), HasSubstr("beyond 150 deg"));
+  EXPECT_FALSE(opticsFinding({}));
+  EXPECT_FALSE(opticsFinding(kinectIntrinsics()));
+  EXPECT_FALSE(opticsFinding({640, 576, 252, 252, 310, 340})) << "120 deg";
+  EXPECT_THAT(opticsFinding({160, 120, 262, 262, 159.5, 119.5})->words,
+              HasSubstr("probably of images of 320x240"));
+  EXPECT_THAT(opticsFinding({640, 480, 525, 525, 319.5, 20})->words, HasSubstr("border: is the calibration"));
+  EXPECT_THAT(opticsFinding({160, 120, 0.91, 0.91, 0.5, 0.5})->words, HasSubstr("beyond 150 deg"));
+}
+
+/** A wall that recedes to the right, in millimetres, and from image to image. */
+int wall(int i, int u, int /*v*/) {
+  const double x = (u - 31.5) / 60;
+  return static_cast<int>(std::lround(1e3 * (1.2 + 0.02 * i) / (1 - 1.2 * x)));
+}
+
+/** The ids of the findings on a sequence of such values. */
+std::vector<std::string> idsOf(const std::function<int(int i, int u, int v)>& value,
+                               double depth_scale = 1000,
+                               double max_depth = std::numeric_limits<double>::infinity()) {
+  const TemporaryFolder folder;
+  const ExampleSequence example;
+  example.write(folder.path());
+  CameraFile file;
+  file.camera.intrinsics = example.camera;
+  file.camera.max_depth = max_depth;
+  file.depth_scale = depth_scale;
+  writeCameraFile(folder.path() / "camera.ini", file);
+  for (int i = 0; i < example.frames; ++i) {
+    Raster<std::uint16_t> raster = readGreyPng(example.image(folder.path(), i), 16);
+    for (int v = 0; v < raster.height; ++v)
+      for (int u = 0; u < raster.width; ++u)
+        raster.data[static_cast<std::size_t>(v) * raster.width + u] =
+            static_cast<std::uint16_t>(value(i, u, v));
+    writePng(example.image(folder.path(), i), raster);
+  }
+  std::vector<std::string> ids;
+  for (const Finding& finding : readingFindings(DepthSequence::open(folder.path())))
+    if (finding.severity != Severity::note) ids.push_back(finding.id);
+  return ids;
+}
+
+TEST(ValuesWithoutGeometry, OfAWallAreRight) { EXPECT_THAT(idsOf(wall), IsEmpty()); }
+
+TEST(ValuesWithoutGeometry, OutOfRangeAreALimit) {
+  const auto clipped = [](int i, int u, int v) { return std::min(2500, wall(i, u, v)); };
+  EXPECT_THAT(idsOf(clipped), ElementsAre("values.limit"));
+  EXPECT_THAT(idsOf(clipped, 1000, 2.4), IsEmpty()) << "left out by max_depth";
+  EXPECT_THAT(idsOf([](int i, int u, int v) { return v < 10 ? 300 : wall(i, u, v); }),
+              ElementsAre("values.limit"));
+}
+
+TEST(ValuesWithoutGeometry, OfADepthBufferAreNamed) {
+  EXPECT_THAT(idsOf(
+                  [](int i, int u, int v) {
+                    const double near = 0.05, far = 10, z = wall(i, u, v) / 1e3;
+                    return static_cast<int>(65534 * far * (z - near) / (z * (far - near)));
+                  },
+                  65534),
+              ElementsAre("values.buffer"));
+}
+
+TEST(ValuesWithoutGeometry, OfAConstantMinusTheDepthAreInverted) {
+  EXPECT_THAT(idsOf([](int i, int u, int v) { return 5000 - wall(i, u, v); }),
+              ElementsAre("values.inverted"));
+}
+
+TEST(ValuesWithoutGeometry, OfEachImageStretched) {
+  const auto stretched = [](int limit) {
+    return [limit](int i, int u, int v) { return limit * wall(i, u, v) / wall(i, 63, 0); };
+  };
+  EXPECT_THAT(idsOf(stretched(65535), 20000), ElementsAre("values.stretched"));
+}
+
+TEST(ValuesWithoutGeometry, OfOneImageOrOneValue) {
+  EXPECT_THAT(idsOf([](int, int u, int v) { return wall(0, u, v); }), ElementsAre("values.frozen"));
+  EXPECT_THAT(idsOf([](int, int, int) { return 1200; }), ElementsAre("values.single"));
+  EXPECT_THAT(idsOf([](int i, int u, int v) { return i == 0 ? 1200 : wall(i, u, v); }),
+              ElementsAre("values.single"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bytes/files.h"
+#include "images/value_plausibility.h"
 
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
@@ -223,6 +224,7 @@ Findings readingFindings(const DepthSequence& sequence) {
     if (auto optics = opticsFinding(file->camera.intrinsics)) all.push_back(std::move(*optics));
     append(checkValues(depthValues(sequence), file->depth_scale).findings, all);
   }
+  if (!firstOf(all, Severity::refusal)) append(internal::valueFindings(sequence), all);
   return all;
 }
 
