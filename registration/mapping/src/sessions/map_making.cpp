@@ -157,20 +157,21 @@ void judge(const DistortionEstimate& found, bool own_trajectory, Findings& all) 
 }
 
 /** Compares the focal lengths that the angles between surfaces ask for with the turns of the poses, which
- * share no error with them: a focal length that is too long makes the images turn too little. One that both
- * ask for is certain; one that the turns exclude is not mentioned. */
+ * share no error with them. Images whose focal length is too long turn too little, or are seen to turn right
+ * by chance, so that turns confirm a doubt more easily than they refute it. */
 void judgeAngles(const SurfaceAngles& angles, const PoseCheck& poses, Findings& all) {
-  constexpr double kCertain = 4, kLeast = 0.02;  // standard deviations; least one of a logarithm
+  constexpr double kCertain = 4, kLeast = 0.02;  // standard deviations; least one of a ratio
+  constexpr double kAgree = 0.05;                // largest deviation of turns that agree
   const auto doubt = std::find_if(all.begin(), all.end(),
                                   [](const Finding& finding) { return finding.id == "geometry.angles"; });
   const MotionRatio& turns = poses.turns;
   if (doubt == all.end() || turns.motions == 0 || !poses.convention.empty()) return;
-  const double asked = std::sqrt(angles.fx * angles.fy),
-               margin = std::exp(kCertain * std::max(turns.std, kLeast));
+  const double asked = std::sqrt(angles.fx * angles.fy), margin = kCertain * std::max(turns.std, kLeast);
   const auto allow = [&](double ratio) {
-    return ratio * margin > turns.lowest && ratio < turns.highest * margin;
+    return ratio > turns.lowest - margin && ratio < turns.highest + margin;
   };
-  if (allow(1) && !allow(asked)) {
+  if (poses.isKnown() && poses.cause.empty() && turns.lowest - kCertain * turns.std > 1 - kAgree &&
+      turns.highest + kCertain * turns.std < 1 + kAgree && !allow(asked)) {
     all.erase(doubt);
   } else if (allow(asked) && !allow(1)) {
     doubt->severity = Severity::refusal;
