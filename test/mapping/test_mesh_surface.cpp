@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "models/polygon_triangles.h"
+
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/mesh_surface.h>
 
@@ -7,6 +9,8 @@
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -73,6 +77,101 @@ TEST(MeshSurface, LeavesOutInvalidTriangles) {
   EXPECT_EQ(1u, wall.triangles());
   EXPECT_EQ(4u, wall.leftOut());
   EXPECT_EQ(2.0f, wall.render(kCamera, Eigen::Isometry3d::Identity()).at(40, 30));
+}
+
+using Corners = std::vector<Eigen::Vector3f>;
+
+/** Twice the area, along the normal. */
+Eigen::Vector3d areaOf(const Corners& polygon) {
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+    area += polygon[i].cast<double>().cross(polygon[(i + 1) % polygon.size()].cast<double>());
+  return area;
+}
+
+/** Checks that triangles cover a polygon once: they have its area, and all of them its direction of rotation.
+ * From each first corner, in either direction, and turned in space. */
+void expectCovered(const Corners& in_plane, const char* name) {
+  const Eigen::Matrix3f turn = expSO3({0.4, -1.1, 0.7}).cast<float>();
+  for (const bool turned : {false, true})
+    for (const bool reversed : {false, true}) {
+      Corners polygon = in_plane;
+      if (reversed) std::reverse(polygon.begin(), polygon.end());
+      if (turned)
+        for (Eigen::Vector3f& corner : polygon) corner = turn * corner + Eigen::Vector3f(30, -20, 5);
+      for (std::size_t first = 0; first < polygon.size(); ++first) {
+        const Eigen::Vector3d whole = areaOf(polygon);
+        double sum = 0;
+        for (const auto& [a, b, c] : internal::polygonTriangles(polygon)) {
+          const double part = areaOf({polygon[a], polygon[b], polygon[c]}).dot(whole.normalized());
+          EXPECT_GT(part, -1e-3) << name << " from corner " << first << " leaves the polygon";
+          sum += std::abs(part);
+        }
+        EXPECT_NEAR(sum, whole.norm(), 3e-3) << name << " from corner " << first;
+        std::rotate(polygon.begin(), polygon.begin() + 1, polygon.end());
+      }
+    }
+}
+
+TEST(MeshSurface, ConcavePolygonsAreCoveredOnce) {
+  expectCovered({{6, 0, 0}, {6, 2.5f, 0}, {2.5f, 2.5f, 0}, {2.5f, 6, 0}, {0, 6, 0}, {0, 0, 0}}, "an L");
+  expectCovered({{6, 0, 0},
+                 {6, 1, 0},
+                 {6, 2.5f, 0},
+                 {4, 2.5f, 0},
+                 {2.5f, 2.5f, 0},
+                 {2.5f, 2.5f, 0},
+                 {2.5f, 6, 0},
+                 {0, 6, 0},
+                 {0, 3, 0},
+                 {0, 2, 0},
+                 {0, 0, 0},
+                 {3, 0, 0}},
+                "an L with collinear and repeated corners");
+  Corners star;
+  for (int i = 0; i < 10; ++i) {
+    const float radius = i % 2 ? 1.0f : 3.0f, angle = static_cast<float>(i * 36 * kDegree);
+    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.0f);
+  }
+  expectCovered(star, "a star");
+  expectCovered({{0, 0, 0},
+                 {9, 0, 0},
+                 {9, 9, 0},
+                 {0, 9, 0},
+                 {0, 0, 0},
+                 {3, 3, 0},
+                 {3, 6, 0},
+                 {6, 6, 0},
+                 {6, 3, 0},
+                 {3, 3, 0}},
+                "a square with a hole");
+  expectCovered({{0, 0, 0}, {4, 0, 0}, {8, 0, 0}, {4, 0, 0}, {4, 3, 0}, {2, 1, 0}, {0, 3, 0}},
+                "a polygon with a spike");
+}
+
+TEST(MeshSurface, OtherPolygonsAreFans) {
+  using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+  EXPECT_EQ(internal::polygonTriangles({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}}),
+            (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}))
+      << "convex";
+  EXPECT_EQ(internal::polygonTriangles({{0, 0, 0}, {3, 2, 0}, {3, 0, 0}, {0, 1, 0}}),
+            (Triangles{{0, 1, 2}, {0, 2, 3}}))
+      << "crosses itself";
+  EXPECT_EQ(internal::polygonTriangles({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}),
+            (Triangles{{0, 1, 2}, {0, 2, 3}}))
+      << "without an area";
+  EXPECT_TRUE(internal::polygonTriangles({{0, 0, 0}, {1, 0, 0}}).empty());
+}
+
+TEST(MeshSurface, AFloorOfOnePolygonEndsAtItsEdges) {
+  const MeshSurface floor(
+      meshOf({{3, -1, 2}, {3, 0, 2}, {0, 0, 2}, {0, 3, 2}, {-1, 3, 2}, {-1, -1, 2}}, {{0, 1, 2, 3, 4, 5}}));
+  EXPECT_EQ(4u, floor.triangles());
+  const auto depthAt = [&](double x, double y) {
+    return floor.render({1, 1, 1, 1, 0, 0}, Eigen::Isometry3d(Eigen::Translation3d(x, y, 0))).at(0, 0);
+  };
+  for (const auto& [x, y] : {std::pair(2.5, -0.5), {-0.5, 2.5}, {-0.5, -0.5}}) EXPECT_EQ(2.0f, depthAt(x, y));
+  for (const auto& [x, y] : {std::pair(0.5, 0.5), {1.0, 1.0}, {2.5, 0.2}}) EXPECT_EQ(0.0f, depthAt(x, y));
 }
 
 TEST(MeshSurface, RefusesMeshesWithoutSurface) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/model_points.h"
+#include "models/polygon_triangles.h"
 #include "models/ray_caster.h"
 
 #include <facetloc/mapping/mesh_surface.h>
@@ -25,28 +26,37 @@ bool hasArea(const ModelPoints& points, const Corners& corners) {
   return (points[corners[1]] - a).cross(points[corners[2]] - a).squaredNorm() > 0;
 }
 
-/** Calls a function with the corners of each triangle of the polygons. */
-template <class Function>
-void forEachTriangle(const std::vector<pcl::Vertices>& polygons, const Function& function) {
-  for (const pcl::Vertices& polygon : polygons)
-    for (std::size_t i = 2; i < polygon.vertices.size(); ++i)
-      function(Corners{static_cast<std::uint32_t>(polygon.vertices[0]),
-                       static_cast<std::uint32_t>(polygon.vertices[i - 1]),
-                       static_cast<std::uint32_t>(polygon.vertices[i])});
+/** Triangles of the polygons, also those without an area. */
+std::vector<Corners> trianglesOf(const std::vector<pcl::Vertices>& polygons, const ModelPoints& points) {
+  std::vector<Corners> triangles;
+  triangles.reserve(polygons.size());
+  std::vector<Eigen::Vector3f> corners;
+  for (const pcl::Vertices& polygon : polygons) {
+    const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(polygon.vertices[k]); };
+    const std::size_t n = polygon.vertices.size();
+    corners.clear();
+    if (n > 3)
+      for (std::size_t k = 0; k < n && at(k) < points.size() && points[at(k)].allFinite(); ++k)
+        corners.push_back(points[at(k)]);
+    if (n > 3 && corners.size() == n)
+      for (const Corners& triangle : polygonTriangles(corners))
+        triangles.push_back({at(triangle[0]), at(triangle[1]), at(triangle[2])});
+    else
+      for (std::size_t k = 2; k < n; ++k) triangles.push_back({at(0), at(k - 1), at(k)});
+  }
+  return triangles;
 }
 
 /** Is this a sheet as a scan is: open, of triangles that share nearly all of their edges, and agree about
  * their front? */
-bool isSheet(const std::vector<pcl::Vertices>& polygons, const ModelPoints& points) {
+bool isSheet(const std::vector<Corners>& triangles) {
   constexpr double kInner = 0.9, kOuter = 0.001;  // shares of the edges
   std::vector<std::uint64_t> edges;               // the smaller vertex, the larger one, and which comes first
-  forEachTriangle(polygons, [&](const Corners& corners) {
-    if (!hasArea(points, corners)) return;
+  for (const Corners& corners : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint64_t a = corners[k], b = corners[(k + 1) % 3];
       edges.push_back(std::min(a, b) << 33 | std::max(a, b) << 1 | (a < b ? 1 : 0));
     }
-  });
   std::sort(edges.begin(), edges.end());
   double inner = 0, outer = 0, all = 0;
   for (std::size_t first = 0, last; first < edges.size(); first = last) {
@@ -63,17 +73,17 @@ bool isSheet(const std::vector<pcl::Vertices>& polygons, const ModelPoints& poin
 
 MeshSurface::MeshSurface(const pcl::PolygonMesh& mesh) {
   const ModelPoints points(mesh.cloud);
-  forEachTriangle(mesh.polygons, [&](const Corners& corners) {
-    if (!hasArea(points, corners)) {
-      ++left_out_;
-      return;
-    }
-    ++triangles_;
+  std::vector<Corners> triangles = trianglesOf(mesh.polygons, points);
+  const auto end = std::remove_if(triangles.begin(), triangles.end(),
+                                  [&](const Corners& corners) { return !hasArea(points, corners); });
+  left_out_ = static_cast<std::size_t>(triangles.end() - end);
+  triangles.erase(end, triangles.end());
+  triangles_ = triangles.size();
+  for (const Corners& corners : triangles)
     for (const std::uint32_t corner : corners) bounds_.extend(points[corner].cast<double>());
-  });
   if (triangles_ == 0) throw std::invalid_argument("it has no triangle with an area");
   requireResolved(bounds_);
-  is_scan_ = isSheet(mesh.polygons, points);
+  is_scan_ = isSheet(triangles);
   rays_ = std::make_unique<RayCaster>();
   rays_->setTriangles(points.size(), triangles_, [&](const RayCaster::Triangles& all) {
     // A vertex that is not finite belongs to no triangle; Embree still reads it.
@@ -81,9 +91,7 @@ MeshSurface::MeshSurface(const pcl::PolygonMesh& mesh) {
       Eigen::Map<Eigen::Vector3f>(all.vertices + 3 * i) =
           points[i].allFinite() ? points[i] : Eigen::Vector3f(Eigen::Vector3f::Zero());
     std::uint32_t* next = all.corners;
-    forEachTriangle(mesh.polygons, [&](const Corners& corners) {
-      if (hasArea(points, corners)) next = std::copy(corners.begin(), corners.end(), next);
-    });
+    for (const Corners& corners : triangles) next = std::copy(corners.begin(), corners.end(), next);
   });
 }
 
