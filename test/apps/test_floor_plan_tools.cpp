@@ -47,6 +47,25 @@ TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
   EXPECT_EQ(wrong, 0) << "of " << walls;
 }
 
+TEST_F(FloorPlanTools, UnknownCellsThatCountAsFreeAreNamed) {
+  ok(runTool<simulateApp>({"hotel", "--grid", folder_ / "hotel"}));
+  std::ifstream in(folder_ / "hotel.yaml");
+  std::string yaml{std::istreambuf_iterator<char>(in), {}};
+  yaml.replace(yaml.find("0.196"), 5, "0.25");
+  std::ofstream(folder_ / "generous.yaml") << yaml;
+  std::ofstream(folder_ / "pose.txt") << "0 2.2 0 1 -0.5 0.5 -0.5 0.5\n";
+  for (const char* plan : {"hotel.yaml", "generous.yaml"}) {
+    const ToolRun made =
+        ok(runTool<mapModelApp>({folder_ / plan, "-o", folder_ / "hotel.flmap", "--overwrite",
+                                 "--wall-height", "2.5", "--viewpoints", folder_ / "pose.txt"}));
+    const auto named = HasSubstr("the grey 205 of unknown ones, which free_thresh 0.25 counts as free");
+    if (plan == std::string("generous.yaml"))
+      EXPECT_THAT(made.err, named);
+    else
+      EXPECT_THAT(made.err, Not(HasSubstr("205")));
+  }
+}
+
 TEST_F(FloorPlanTools, FloorPlansAreAskedForTheirHeight) {
   ok(runTool<simulateApp>({"hotel", "--grid", folder_ / "hotel"}));
   const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";

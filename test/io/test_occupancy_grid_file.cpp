@@ -34,7 +34,12 @@ TEST_F(OccupancyGridFiles, AnImageNamedByThePathOfAnotherMachineIsFoundInTheFold
   for (const std::string elsewhere : {"/elsewhere/maps/", "C:\\maps\\", "../maps/"}) {
     std::string yaml = kUsual;
     yaml.replace(yaml.find("two.pgm"), 0, elsewhere);
-    EXPECT_EQ(read(yaml).width, 3) << elsewhere;
+    put("map.yaml", yaml);
+    Findings findings;
+    EXPECT_EQ(readOccupancyGrid(folder_ / "map.yaml", &findings).width, 3) << elsewhere;
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].id, "plan.image");
+    EXPECT_THAT(findings[0].words, HasSubstr("two.pgm beside map.yaml"));
   }
   EXPECT_THAT(errorOf("image: /maps/three.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"),
               HasSubstr("three.pgm"));
@@ -67,6 +72,26 @@ TEST_F(OccupancyGridFiles, HaveThreeModesAndTwoSigns) {
   negated.replace(negated.find("negate: 0"), 9, "negate: 1");
   EXPECT_THAT(read(negated).cells, ElementsAre(100, 0, 100, 0, 100, 100));
   EXPECT_THAT(errorOf(usual + "mode: fancy\n"), HasSubstr("fancy"));
+}
+
+TEST_F(OccupancyGridFiles, TheGreyOfUnknownCellsIsUnknownWhateverTheThresholds) {
+  const auto readWith = [&](const std::string& free, Findings& findings) {
+    std::string yaml = kUsual;
+    yaml.replace(yaml.find("0.196"), 5, free);
+    put("map.yaml", yaml);
+    return readOccupancyGrid(folder_ / "map.yaml", &findings).cells;
+  };
+  put("two.pgm", kTwoRows);
+  Findings findings;
+  EXPECT_THAT(readWith("0.196", findings), ElementsAre(0, 100, 0, 100, 0, -1));
+  EXPECT_TRUE(findings.empty());
+  EXPECT_THAT(readWith("0.25", findings), ElementsAre(0, 100, 0, 100, 0, -1));
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].id, "plan.unknown");
+  EXPECT_THAT(findings[0].text(), HasSubstr("1 of 6 cells"));
+  put("two.pgm", "P2 3 2 255\n0 205 205\n100 30 0\n");
+  EXPECT_THAT(readWith("0.25", findings), ElementsAre(-1, 100, 100, 100, 0, 0)) << "no other cell is free";
+  EXPECT_EQ(findings.size(), 1u);
 }
 
 TEST_F(OccupancyGridFiles, MayBeBinaryWideAndPng) {

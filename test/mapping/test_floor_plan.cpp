@@ -4,6 +4,7 @@
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/mesh_surface.h>
+#include <facetloc/mapping/model_map.h>
 
 #include <gmock/gmock.h>
 
@@ -139,6 +140,43 @@ TEST(FloorPlan, HasFloorAndCeilingWhereThePlanIsKnown) {
   EXPECT_EQ(depthDown(4, 2, false), 0) << "no floor is invented";
   params.floor = params.ceiling = false;
   EXPECT_EQ(depthDown(4, 1, false), 0);
+}
+
+/** A room of 4 x 4 m with an open side, beyond which nothing is known, and neither is a spot within. */
+TEST(FloorPlan, CamerasAreAboveFreeCellsOnly) {
+  OccupancyGrid grid = drawn(
+      {{{3, 1}, 4.2, 0.2, 0}, {{3, 5}, 4.2, 0.2, 0}, {{1, 3}, 0.2, 4, 0}, {{5, 2}, 0.2, 2, 0}}, 120, 0.05);
+  for (int row = 0; row < 120; ++row)
+    for (int column = 0; column < 120; ++column) {
+      const Vector2d p = grid.centre(column, row);
+      const bool is_in_room = (p.array() > 1).all() && (p.array() < 5).all();
+      if ((!is_in_room || (p - Vector2d(2, 4)).norm() < 0.5) && !grid.isOccupied(column, row))
+        grid.cells[grid.index(column, row)] = OccupancyGrid::kUnknown;
+    }
+  grid.origin = {-7, 11}, grid.yaw = 30 * kDegree;
+  const auto surface = std::make_shared<const FloorPlanSurface>(grid);
+  const auto isFree = [&](double x, double y) {
+    const Vector2d p = grid.T_w_grid() * Vector2d(x, y);
+    return surface->isFree({p.x(), p.y(), 1});
+  };
+  EXPECT_TRUE(isFree(3, 3));
+  for (const auto& [x, y] :
+       {std::pair(2.0, 4.0), {1.0, 3.0}, {5.5, 4.0}, {-0.01, 3.0}, {3.0, 6.01}, {1e12, 0.0}})
+    EXPECT_FALSE(isFree(x, y)) << x << ", " << y;
+
+  ModelMapParams few;
+  few.turn_deg = 60;
+  for (const bool mounted : {true, false}) {
+    Camera camera;
+    camera.intrinsics = kinectIntrinsics().subsampled(4);
+    if (mounted) camera.mounting = CameraMounting{0.95, 8};
+    ModelMap making(surface, camera, few);
+    EXPECT_FALSE(making.finish().models.empty()) << making.findings().problem;
+    for (const Eigen::Isometry3d& T_w_c : making.findings().viewpoints) {
+      const Vector2d cell = grid.cellOf(T_w_c.translation().head<2>());
+      EXPECT_TRUE(grid.isFree(static_cast<int>(cell.x()), static_cast<int>(cell.y()))) << cell.transpose();
+    }
+  }
 }
 
 TEST(FloorPlan, LeavesOutSpots) {

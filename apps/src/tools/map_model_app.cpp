@@ -23,6 +23,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -115,7 +116,10 @@ private:
   }
 
   std::shared_ptr<const FloorPlanSurface> floorPlan(const Console& console) const try {
-    auto surface = std::make_shared<const FloorPlanSurface>(readOccupancyGrid(model_), floor_plan_);
+    Findings findings;
+    OccupancyGrid plan = readOccupancyGrid(model_, &findings);
+    for (const Finding& finding : findings) console.find(finding);
+    auto surface = std::make_shared<const FloorPlanSurface>(std::move(plan), floor_plan_);
     const Eigen::Vector3d size = surface->bounds().sizes();
     console.out << fmt::format("walls on {:.2f} x {:.2f} m, {:.2f} m high\n", size.x(), size.y(), size.z());
     return surface;

@@ -17,6 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 using internal::YamlEntry;
 
+constexpr std::uint8_t kUnknownGrey = 205;  // as map_saver writes cells
+
 enum class Mode { trinary, scale, raw };
 
 /** The content of map.yaml. */
@@ -31,10 +33,10 @@ struct Description {
 
 class DescriptionReader {
 public:
-  DescriptionReader(std::string_view text, const fs::path& source)
-      : source_(source), entries_(internal::yamlEntries(text)) {}
+  DescriptionReader(std::string_view text, const fs::path& source, Findings& findings)
+      : source_(source), entries_(internal::yamlEntries(text)), findings_(findings) {}
 
-  Description read() const {
+  Description read() {
     Description d;
     d.image = image();
     d.resolution = number("resolution");
@@ -91,18 +93,24 @@ private:
     if (word == "raw") return Mode::raw;
     fail(fmt::format("'mode: {}' is unknown; there are trinary, scale and raw", word));
   }
-  fs::path image() const {
+  fs::path image() {
     const std::string name = word("image");
     if (name.empty()) fail("'image:' names no file");
     const fs::path path = source_.parent_path() / name;
     // map_saver writes the path on the machine that made the plan.
     const fs::path moved = source_.parent_path() / name.substr(name.find_last_of("/\\") + 1);
     std::error_code ignored;
-    return !fs::exists(path, ignored) && fs::is_regular_file(moved, ignored) ? moved : path;
+    if (fs::exists(path, ignored) || !fs::is_regular_file(moved, ignored)) return path;
+    findings_.push_back({"plan.image", Severity::note,
+                         fmt::format("'image: {}' is not there: {} beside {} is taken", name,
+                                     moved.filename().string(), source_.filename().string()),
+                         ""});
+    return moved;
   }
 
   const fs::path& source_;
   std::vector<YamlEntry> entries_;
+  Findings& findings_;
 };
 
 Greymap greymapOf(const fs::path& path) {
@@ -140,11 +148,42 @@ std::int8_t cellOf(std::uint16_t value, int white, const Description& d) {
   return static_cast<std::int8_t>(std::lround(1 + 98 * (occupied - d.free) / (d.occupied - d.free)));
 }
 
+/** map_saver's grey of unknown cells stays unknown, even if free_thresh counts it as free; not in a plan
+ * whose free cells all have that grey. */
+void keepUnknown(const Raster<std::uint16_t>& image, int white, const Description& d, OccupancyGrid& grid,
+                 Findings& findings) {
+  if (d.mode == Mode::raw || d.negate) return;
+  std::vector<std::size_t> grey;
+  bool has_others = false;
+  for (int row = 0; row < grid.height; ++row)
+    for (int column = 0; column < grid.width; ++column) {
+      const std::size_t cell = grid.index(column, row);
+      if (grid.cells[cell] != OccupancyGrid::kFree) continue;
+      const double value = image.data[grid.index(column, grid.height - 1 - row)];
+      if (std::lround(255 * value / white) == kUnknownGrey)
+        grey.push_back(cell);
+      else
+        has_others = true;
+    }
+  if (grey.empty() || !has_others) return;
+  for (const std::size_t cell : grey) grid.cells[cell] = OccupancyGrid::kUnknown;
+  findings.push_back(
+      {"plan.unknown",
+       Severity::note,
+       fmt::format(
+           "{} of {} cells have the grey {} of unknown ones, which free_thresh {} counts as free: they "
+           "are taken as unknown",
+           grey.size(), grid.cells.size(), kUnknownGrey, d.free),
+       "free_thresh: 0.196 is usual",
+       {{"cells", static_cast<double>(grey.size())}}});
+}
+
 }  // namespace
 
-OccupancyGrid readOccupancyGrid(const fs::path& yaml) {
+OccupancyGrid readOccupancyGrid(const fs::path& yaml, Findings* findings) {
   const std::string text = files::readText(yaml);
-  const Description d = DescriptionReader(text, yaml).read();
+  Findings found;
+  const Description d = DescriptionReader(text, yaml, found).read();
   const auto [image, white] = readImage(d.image);
   OccupancyGrid grid = OccupancyGrid::filled(image.width, image.height, d.resolution, d.origin.head<2>(),
                                              OccupancyGrid::kUnknown);
@@ -153,17 +192,21 @@ OccupancyGrid readOccupancyGrid(const fs::path& yaml) {
     for (int column = 0; column < grid.width; ++column)
       grid.cells[grid.index(column, row)] =
           cellOf(image.data[grid.index(column, grid.height - 1 - row)], white, d);
+  keepUnknown(image, white, d, grid, found);
+  if (findings) append(std::move(found), *findings);
   return grid;
 }
 
 void writeOccupancyGrid(const fs::path& yaml, const OccupancyGrid& grid) {
-  constexpr std::uint8_t kBlack = 0, kGrey = 205, kWhite = 254;
+  constexpr std::uint8_t kBlack = 0, kWhite = 254;
   Raster<std::uint8_t> image;
   image.width = grid.width, image.height = grid.height;
   image.data.reserve(grid.cells.size());
   for (int row = grid.height - 1; row >= 0; --row)
     for (int column = 0; column < grid.width; ++column)
-      image.data.push_back(grid.isOccupied(column, row) ? kBlack : grid.isFree(column, row) ? kWhite : kGrey);
+      image.data.push_back(grid.isOccupied(column, row) ? kBlack
+                           : grid.isFree(column, row)   ? kWhite
+                                                        : kUnknownGrey);
   const fs::path pgm = fs::path(yaml).replace_extension(".pgm");
   writePgm(pgm, image);
   writeTextAtomically(yaml, [&](std::ostream& out) {

@@ -117,7 +117,15 @@ pcl::PolygonMesh extrude(const OccupancyGrid& plan, const FloorPlanParams& param
   return mesh.finish();
 }
 
-FloorPlanSurface::FloorPlanSurface(const OccupancyGrid& plan, const FloorPlanParams& params)
-    : MeshSurface(extrude(plan, params)), wall_std_(plan.resolution / std::sqrt(12)) {}
+FloorPlanSurface::FloorPlanSurface(OccupancyGrid plan, const FloorPlanParams& params)
+    : MeshSurface(extrude(plan, params)), plan_(std::move(plan)) {}
+
+bool FloorPlanSurface::isFree(const Eigen::Vector3d& place) const {
+  const Eigen::Array2d cell = plan_.cellOf(place.head<2>()).array().floor();
+  const bool is_inside = (cell >= 0).all() && cell.x() < plan_.width && cell.y() < plan_.height;
+  return is_inside && plan_.isFree(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
+}
+
+double FloorPlanSurface::wallStd() const { return plan_.resolution / std::sqrt(12); }
 
 }  // namespace facetloc

@@ -125,8 +125,10 @@ private:
     return rules_.heights[static_cast<std::size_t>(layer) % rules_.heights.size()];
   }
   bool isFree(const Cell& cell) const {
+    const Eigen::Vector3d place = position(cell);
+    if (!probe_.isFree(place)) return false;
     Surroundings surroundings(rules_, heightOf(cell[2]));
-    probe_.around(position(cell), [&](const Eigen::Vector3d& direction, double distance) {
+    probe_.around(place, [&](const Eigen::Vector3d& direction, double distance) {
       surroundings.add(direction, distance);
     });
     return surroundings.isFree();

@@ -21,6 +21,8 @@ public:
    * met. */
   void around(const Eigen::Vector3d& position,
               const std::function<void(const Eigen::Vector3d&, double)>& take) const;
+  /** \brief Whether the surface knows of nothing else than its shape that keeps a camera away. */
+  bool isFree(const Eigen::Vector3d& position) const { return surface_.isFree(T_w_up_ * position); }
   /** \brief Bounds of the surface in the frame with z up. */
   Eigen::AlignedBox3d bounds() const;
 

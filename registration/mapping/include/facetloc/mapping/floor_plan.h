@@ -64,17 +64,19 @@ struct FloorPlanParams {
  * without walls. Throws std::invalid_argument for a parameter out of its range. */
 pcl::PolygonMesh extrude(const OccupancyGrid& plan, const FloorPlanParams& params = {});
 
-/** \brief The extruded floor plan as a surface that cameras see, before which furniture may stand. Throws
- * std::invalid_argument for a plan without walls and for a parameter out of its range. */
+/** \brief The extruded floor plan as a surface that cameras see, before which furniture may stand. Cameras
+ * are above free cells only, not above unknown ones or beside the plan. Throws std::invalid_argument for a
+ * plan without walls and for a parameter out of its range. */
 class FloorPlanSurface : public MeshSurface {
 public:
-  explicit FloorPlanSurface(const OccupancyGrid& plan, const FloorPlanParams& params = {});
+  explicit FloorPlanSurface(OccupancyGrid plan, const FloorPlanParams& params = {});
   bool isIncomplete() const override { return true; }
+  bool isFree(const Eigen::Vector3d& place) const override;
   /** \brief Standard deviation of the place of a wall that cells allow [m]. */
-  double wallStd() const { return wall_std_; }
+  double wallStd() const;
 
 private:
-  double wall_std_;
+  OccupancyGrid plan_;
 };
 
 }  // namespace facetloc

@@ -22,8 +22,8 @@ class RayCaster;
  * They are seen from both of their sides, unless the mesh is a scan: open, and of triangles that share nearly
  * all of their edges and agree about their front, from which their vertices are anticlockwise. The back
  * of a scan is unknown, since no camera saw it. The mesh need not be closed, manifold or oriented.
- * Polygons may be concave; one that crosses itself is cut into triangles from its first vertex. Triangles with
- * an index beyond the vertices, a vertex that is not finite or no area are left out. */
+ * Polygons may be concave; one that crosses itself is cut into triangles from its first vertex. Triangles
+ * with an index beyond the vertices, a vertex that is not finite or no area are left out. */
 class MeshSurface : public Surface {
 public:
   /** \brief \param mesh in metres; its cloud has fields x, y, z of floats. It is not needed afterwards.

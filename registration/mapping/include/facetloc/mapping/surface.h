@@ -29,6 +29,10 @@ public:
    * do not contradict the surface. */
   virtual bool isIncomplete() const { return false; }
 
+  /** \brief Whether a camera may be there, as far as more is known than the surface shows: a floor plan names
+   * free places. \param place in the surface's frame [m] */
+  virtual bool isFree(const Eigen::Vector3d& /*place*/) const { return true; }
+
   /** \brief Whether it was drawn, not seen: it holds surfaces that stay, without objects that people move. */
   virtual bool isDrawn() const { return false; }
 };
