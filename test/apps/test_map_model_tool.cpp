@@ -85,6 +85,44 @@ TEST_F(Tools, ModelInAnotherUnitIsRemarked) {
   EXPECT_THAT(saidOf(1, "in"), HasSubstr("is its unit m? --units m"));
 }
 
+TEST_F(Tools, ModelsOfImpossibleSizeAreRefusedBeforeTheWork) {
+  const fs::path model(folder_ / "room.obj");
+  const fs::path viewpoints(folder_ / "poses.txt");
+  std::ofstream(viewpoints) << "0 2 1 2 0 0 0 1\n";
+  const std::string map = folder_ / "size.flmap", findings = folder_ / "findings.json";
+  const auto made = [&](double per_metre, std::vector<std::string> more) {
+    writeRoom(model, per_metre);
+    more.insert(more.begin(),
+                {"from-model", model.string(), "-o", map, "--overwrite", "--findings", findings});
+    return runMap(more);
+  };
+  const std::string given = viewpoints.string(), refused = "cannot be right as it is read";
+  for (const auto& [per_metre, words] :
+       {std::pair<double, std::string>{1000, "its rooms are 2500 m high; is its unit mm? --units mm"},
+        {100, "its rooms are 250 m high; is its unit cm? --units cm"},
+        {1 / 0.0254, "its rooms are 98 m high; is its unit in? --units in"},
+        {0.001, "it is only 0.005 x 0.0025 x 0.004 m large"}}) {
+    fs::remove(map);
+    const auto run = made(per_metre, {"--viewpoints", given});
+    EXPECT_EQ(run.code, kFailed);
+    EXPECT_THAT(run.err, HasAll(refused, words, "--units m or --force"));
+    EXPECT_FALSE(fs::exists(map) && fs::file_size(map) > 0);
+    std::ifstream in(findings);
+    EXPECT_THAT(std::string(std::istreambuf_iterator<char>(in), {}), HasAll("model.units", "refusal"));
+    for (const std::vector<std::string>& meant : {std::vector<std::string>{"--force"}, {"--units", "m"}}) {
+      std::vector<std::string> arguments{"--viewpoints", given};
+      arguments.insert(arguments.end(), meant.begin(), meant.end());
+      const auto forced = made(per_metre, arguments);
+      EXPECT_THAT(forced.err, HasSubstr(words));
+      EXPECT_THAT(forced.err, Not(HasSubstr(refused)));
+    }
+  }
+  EXPECT_THAT(made(10, {"--viewpoints", given}).err, HasAll("25 m high", Not(HasSubstr(refused))));
+  const auto large = made(3, {"--up", "y", "--spacing", "0.1"});
+  EXPECT_EQ(large.code, kFailed);
+  EXPECT_THAT(large.err, HasAll("a camera can be at about", "more than 20000", "--spacing 0.5", "--force"));
+}
+
 TEST_F(Tools, ModelOptionsThatViewpointsMakeUselessAreRefused) {
   const fs::path model(folder_ / "room.obj");
   writeRoom(model, 1);

@@ -45,6 +45,22 @@ TEST(FreePlaces, FillsRoomsAndNothingElse) {
   }
 }
 
+TEST(FreePlaces, ManyAreEstimated) {
+  const MeshSurface hall(BoxMesh().add({0, 0, 0}, {110, 110, 3}).mesh());
+  PlaceRules rules = robot();
+  rules.most = 1000;
+  int looks = 0;
+  const FreePlaces found = freePlaces(SpaceProbe(hall, Eigen::Isometry3d::Identity()), rules,
+                                      [&](std::size_t n, const std::function<void(std::size_t)>& job) {
+                                        inOrder(n, job);
+                                        ++looks;
+                                      });
+  EXPECT_TRUE(found.positions.empty());
+  EXPECT_GT(found.too_many, 40000u);  // 48400 places in it, and 48400 on its roof
+  EXPECT_LT(found.too_many, 97000u);
+  EXPECT_EQ(looks, 2) << "columns and a sample";
+}
+
 TEST(FreePlaces, OfAHandAreAboveTables) {
   const MeshSurface surface(twoRooms().mesh());
   PlaceRules hand;

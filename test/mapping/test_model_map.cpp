@@ -129,6 +129,16 @@ TEST(ModelMap, SaysThatTheUnitMayBeWrong) {
   EXPECT_NE(std::string::npos, making.findings().problem.find("6000 x 4000 m")) << making.findings().problem;
 }
 
+TEST(ModelMap, EndsBeforeTheWorkWithTooManyPlaces) {
+  ModelMap making(rooms(), robotCamera());
+  making.setNumberOfThreads(2);
+  making.setMostPlaces(50);
+  EXPECT_TRUE(making.finish().models.empty());
+  EXPECT_TRUE(making.findings().too_many);
+  EXPECT_GT(making.findings().places, 50u);
+  EXPECT_NE(std::string::npos, making.findings().problem.find("more than 50;")) << making.findings().problem;
+}
+
 TEST(ModelMap, SaysThatTheSurfaceIsUpsideDown) {
   ModelMapParams few;
   few.spacing = 3, few.turn_deg = 60;

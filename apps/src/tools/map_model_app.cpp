@@ -91,6 +91,7 @@ private:
     });
     line.addCheck([this, &line] { checkFloorPlan(line); });
     line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
+    line.addSwitch("force", force_, "Build the map even if the MODEL's size is doubtful or takes hours.");
     line.addParams(params_, "", CommandLine::Shown::in_help);
     line.addParams(view_);
     line.addExample("scan.ply -o house.flmap --camera kinect", "a scan, in metres, z up");
@@ -171,6 +172,7 @@ private:
     else
       making.setUpBySurface();
     if (width_ > 0) making.setWorkingWidth(width_);
+    if (force_) making.setMostPlaces(0);
     if (!inside_.empty()) making.setInside({placeOf(inside_)});
     if (height_ > 0) making.setHeights({height_});
     if (!viewpoints_.empty()) making.setViewpoints(posesIn(viewpoints_, console));
@@ -186,12 +188,23 @@ private:
            toIni(params_) + toIni(view_);
   }
 
+  /** Shows a finding. Throws IoError if no map is to be made. */
+  void judge(const Finding& finding, const std::string& despite, const Console& console) const {
+    if (finding.severity != Severity::refusal) return console.find(finding);
+    console.keep(finding);
+    throw IoError(model_, fmt::format("cannot be right as it is read: {}; {} the map nevertheless",
+                                      finding.text(), despite));
+  }
+
   /** Contradictions between the model and the options it was read with, before the long work. */
   void noteOrientation(const SurfaceOrientation& orientation, const Eigen::AlignedBox3d& bounds,
                        const Console& console) const {
     const std::optional<Eigen::Vector3d> named = viewpoints_.empty() ? directionOf(up_) : std::nullopt;
     const std::optional<Eigen::Vector3d> up = named ? named : orientation.up();
-    console.note(unitRemark(units_, orientation, bounds, up.value_or(Eigen::Vector3d::UnitZ())));
+    if (auto finding = unitFinding(units_, orientation, bounds, up.value_or(Eigen::Vector3d::UnitZ()))) {
+      if (force_ || is_unit_named_) finding->severity = Severity::doubt;
+      judge(*finding, fmt::format("--units {} or --force builds", units_), console);
+    }
     if (!viewpoints_.empty()) return;
     if (!named && !up)
       throw IoError(model_,
@@ -211,6 +224,8 @@ private:
     making.setProgress(watch.callback());
     Map map = making.finish();
     const ModelFindings& found = making.findings();
+    if (found.too_many)
+      judge(sizeFinding(found.places, params_.spacing, isFloorPlan()), "--force builds", console);
     if (map.models.empty()) throw IoError(model_, "cannot be made into a map: " + found.problem);
     if (found.places > 0)
       console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
@@ -238,7 +253,8 @@ private:
     return map;
   }
 
-  int execute(const CommandLine&, const Console& console) override {
+  int execute(const CommandLine& line, const Console& console) override {
+    is_unit_named_ = line.given("units");
     std::optional<DrawnMap> plan;
     if (!plan_.empty()) plan.emplace(plan_);
     const Map map = writeNewMap(map_, overwrite_, threads(), console, [&] { return make(console); });
@@ -250,7 +266,7 @@ private:
   std::string model_, map_, camera_, viewpoints_, inside_, plan_, units_ = "m", up_ = "z";
   double height_ = 0;
   int width_ = 0;
-  bool overwrite_ = false;
+  bool overwrite_ = false, force_ = false, is_unit_named_ = false;
   FloorPlanParams floor_plan_;
   ModelMapParams params_;
   ViewParams view_;

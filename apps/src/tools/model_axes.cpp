@@ -5,6 +5,7 @@
 #include "cli/app.h"
 
 #include <facetloc/features/pose.h>
+#include <facetloc/mapping/model_map.h>
 
 #include <algorithm>
 #include <array>
@@ -42,9 +43,13 @@ const char* unitFor(double in_file, double usual) {
   return best;
 }
 
-std::string unitQuestion(const std::string& finding, const char* unit) {
-  return finding + (unit ? fmt::format("; is its unit {0}? --units {0}", unit)
-                         : std::string("; --units names the unit of its coordinates"));
+Finding unitQuestion(Severity severity, const std::string& words, const char* unit, double length) {
+  return {"model.units",
+          severity,
+          words,
+          unit ? fmt::format("is its unit {0}? --units {0}", unit)
+               : std::string("--units names the unit of its coordinates"),
+          {{"length_m", length}}};
 }
 
 }  // namespace
@@ -112,24 +117,42 @@ std::string upRemark(const SurfaceOrientation& orientation, const Eigen::Vector3
   return {};
 }
 
-std::string unitRemark(const std::string& unit, const SurfaceOrientation& orientation,
-                       const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& up) {
+std::optional<Finding> unitFinding(const std::string& unit, const SurfaceOrientation& orientation,
+                                   const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& up) {
   constexpr double kLowest = 1, kHighest = 20, kUsual = 2.7;  // height of rooms [m]
-  constexpr double kSmallest = 0.5, kUsualExtent = 10;        // extents of a model [m]
-  constexpr double kHighestOpen = 50;  // greatest height of a model without a whole room [m]
+  constexpr double kNoRoom = 50;                           // no room is higher, but those of a few domes [m]
+  constexpr double kSmallest = 0.5, kUsualExtent = 10;     // extents of a model [m]
+  constexpr double kHighestOpen = 50, kNoBuilding = 1000;  // heights of a model without a whole room [m]
   if (bounds.isEmpty()) return {};
   const Eigen::Vector3d size = bounds.sizes();
   if (size.maxCoeff() < kSmallest)
     return unitQuestion(
+        Severity::refusal,
         fmt::format("it is only {:.3g} x {:.3g} x {:.3g} m large", size.x(), size.y(), size.z()),
-        unitFor(size.maxCoeff() / metresPer(unit), kUsualExtent));
+        unitFor(size.maxCoeff() / metresPer(unit), kUsualExtent), size.maxCoeff());
   const double rooms = orientation.judge(up).clear_height, whole = up.cwiseAbs().dot(size);
   const bool is_usual = rooms > 0 ? rooms >= kLowest && rooms <= kHighest : whole <= kHighestOpen;
   if (is_usual) return {};
   const double height = rooms > 0 ? rooms : whole;
   return unitQuestion(
+      height > (rooms > 0 ? kNoRoom : kNoBuilding) ? Severity::refusal : Severity::doubt,
       fmt::format("{} {:.{}f} m high", rooms > 0 ? "its rooms are" : "it is", height, height < 10 ? 2 : 0),
-      unitFor(height / metresPer(unit), kUsual));
+      unitFor(height / metresPer(unit), kUsual), height);
+}
+
+Finding sizeFinding(std::size_t places, double spacing, bool is_plan) {
+  constexpr double kLargest = 10;  // spacing that can be asked for [m]
+  constexpr auto kMost = static_cast<double>(ModelMap::kMostPlaces);
+  const auto n = static_cast<double>(places);
+  const double wider = std::ceil(2 * spacing * std::sqrt(1.05 * n / kMost)) / 2;  // places of two dimensions
+  const std::string cure = is_plan ? std::string("look at the resolution in its YAML file")
+                                   : std::string("is its unit right? --units names it");
+  return {
+      "model.size",
+      Severity::refusal,
+      fmt::format("a camera can be at about {} places in it, more than {}", places, ModelMap::kMostPlaces),
+      cure + (wider <= kLargest ? fmt::format(", or take fewer: --spacing {}", wider) : std::string()),
+      {{"places", n}}};
 }
 
 }  // namespace facetloc

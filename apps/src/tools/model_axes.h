@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/finding.h>
 #include <facetloc/mapping/surface.h>
 
 #include <Eigen/Geometry>
@@ -29,9 +30,13 @@ std::string upOptions(const SurfaceOrientation& orientation);
  * \param up a unit vector */
 std::string upRemark(const SurfaceOrientation& orientation, const Eigen::Vector3d& up);
 
-/** \brief The remark about a unit that gives rooms impossible heights; empty if it does not.
- * \param unit in which the model was read \param bounds of it [m] */
-std::string unitRemark(const std::string& unit, const SurfaceOrientation& orientation,
-                       const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& up);
+/** \brief The finding about a unit that gives rooms unusual heights, a refusal if no building has such; empty
+ * if it does not. \param unit in which the model was read \param bounds of it [m] */
+std::optional<Finding> unitFinding(const std::string& unit, const SurfaceOrientation& orientation,
+                                   const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& up);
+
+/** \brief The finding about more places for a camera than are looked from. \param spacing of views [m]
+ * \param is_plan whether the model is a floor plan, which has no unit to name */
+Finding sizeFinding(std::size_t places, double spacing, bool is_plan);
 
 }  // namespace facetloc

@@ -27,6 +27,8 @@ constexpr double kBeside = 1;          // distance between an area and a place b
 constexpr double kStandingRoom = 1.5;  // above a floor, somewhere [m]
 constexpr double kWalled = 0.5;        // share of the horizon that is known, indoors
 constexpr double kGrounded = 0.25;     // known share of the surroundings below
+constexpr std::size_t kWithOutdoors =
+    5;  // positions to each one that may be left once those outdoors are gone
 
 /** Statistics of the rays around a place. */
 class Surroundings {
@@ -105,11 +107,6 @@ public:
 
   /** The possible positions of a camera, by their surroundings alone. */
   std::vector<Cell> freeCells(const ForEach& forEach) const {
-    const auto cellOf = [&](std::size_t i) {
-      const int layer = static_cast<int>(i % static_cast<std::size_t>(layers()));
-      const int column = static_cast<int>(i / static_cast<std::size_t>(layers()));
-      return Cell{column % nx_, column / nx_, layer};
-    };
     std::vector<std::uint8_t> is_free(columns() * static_cast<std::size_t>(layers()));
     forEach(is_free.size(), [&](std::size_t i) { is_free[i] = isFree(cellOf(i)); });
     std::vector<Cell> cells;
@@ -118,11 +115,30 @@ public:
     return cells;
   }
 
+  /** Number of free cells, estimated; 0 where freeCells() is quick. */
+  std::size_t estimatedFree(const ForEach& forEach) const {
+    constexpr std::size_t kSamples = 4000, kFew = 20;  // a sample is a twentieth of the work at most
+    const std::size_t all = columns() * static_cast<std::size_t>(layers());
+    if (all < kFew * kSamples) return 0;
+    std::vector<std::uint8_t> is_free(kSamples);
+    forEach(kSamples, [&](std::size_t i) {
+      const double golden = 0.6180339887498949 * static_cast<double>(i);  // spreads evenly, whatever the rows
+      is_free[i] =
+          isFree(cellOf(static_cast<std::size_t>((golden - std::floor(golden)) * static_cast<double>(all))));
+    });
+    return all / kSamples * static_cast<std::size_t>(std::count(is_free.begin(), is_free.end(), 1));
+  }
+
 private:
   std::size_t columns() const { return static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_); }
   int layers() const { return static_cast<int>(floors_.size() * rules_.heights.size()); }
   double heightOf(int layer) const {
     return rules_.heights[static_cast<std::size_t>(layer) % rules_.heights.size()];
+  }
+  Cell cellOf(std::size_t i) const {
+    const int layer = static_cast<int>(i % static_cast<std::size_t>(layers()));
+    const int column = static_cast<int>(i / static_cast<std::size_t>(layers()));
+    return {column % nx_, column / nx_, layer};
   }
   bool isFree(const Cell& cell) const {
     const Eigen::Vector3d place = position(cell);
@@ -318,11 +334,25 @@ std::vector<double> floorLevels(const std::vector<std::vector<double>>& columns,
 FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach) {
   if (probe.bounds().isEmpty() || rules.heights.empty()) return {};
   const PlaceGrid grid(probe, rules, forEach);
-  const std::vector<PlaceGrid::Cell> cells = grid.freeCells(forEach);
   FreePlaces found;
+  if (rules.most > 0) {
+    const std::size_t estimated = grid.estimatedFree(forEach);
+    if (estimated > kWithOutdoors * rules.most) {
+      found.too_many = estimated;
+      return found;
+    }
+  }
+  const auto finish = [&] {
+    if (rules.most > 0 && found.positions.size() > rules.most) {
+      found.too_many = found.positions.size();
+      found.positions.clear();
+    }
+    return std::move(found);
+  };
+  const std::vector<PlaceGrid::Cell> cells = grid.freeCells(forEach);
   if (rules.beside > 0) {
     for (const PlaceGrid::Cell& cell : cells) found.positions.push_back(grid.position(cell));
-    return found;
+    return finish();
   }
   const Areas areas(grid, cells, probe);
   const double least = kLeastArea / (rules.step * rules.step);  // area as a number of cells
@@ -334,7 +364,7 @@ FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const Fo
     else
       ++found.outdoors;
   }
-  return found;
+  return finish();
 }
 
 }  // namespace facetloc::internal

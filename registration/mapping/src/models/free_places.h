@@ -46,19 +46,23 @@ struct PlaceRules {
   /** Distance by which places may lie beside a surface that is open, such as a scan of one side of a room, of
    * which neither the floor below nor walls all around are asked for [m]; 0 = the surface is a whole room. */
   double beside = 0;
+  std::size_t most = 0;  ///< positions, more of which are not looked for; 0 = any number
 };
 
 /** \brief Possible positions of a camera, and the number left out. */
 struct FreePlaces {
   std::vector<Eigen::Vector3d> positions;
   std::size_t outdoors = 0;  ///< positions of areas around all others
+  std::size_t too_many =
+      0;  ///< number of positions, estimated, if it is too large: there are no positions then
 };
 
 /** \brief Calls a function with 0 ... n - 1. */
 using ForEach = std::function<void(std::size_t n, const std::function<void(std::size_t)>&)>;
 
-/** \brief Positions in a grid from which the surroundings are known, that are free, above a floor, and
- * connected to at least 2 m^2 of such positions: indoors, in rooms and not in furniture (METHOD 3.2). */
+/** \brief Positions in a grid, unless there are too many, from which the surroundings are known, that are
+ * free, above a floor, and connected to at least 2 m^2 of such positions: indoors, in rooms and not in
+ * furniture (METHOD 3.2). */
 FreePlaces freePlaces(const SpaceProbe& probe, const PlaceRules& rules, const ForEach& forEach);
 
 }  // namespace facetloc::internal

@@ -158,6 +158,7 @@ void ModelMap::setUpBySurface() { impl_->up.reset(); }
 const SurfaceOrientation& ModelMap::orientation() { return impl_->surfaceOrientation(); }
 void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->given.inside = std::move(places); }
 void ModelMap::setHeights(std::vector<double> heights) { impl_->given.heights = std::move(heights); }
+void ModelMap::setMostPlaces(std::size_t n) { impl_->given.most_places = n; }
 const ModelFindings& ModelMap::findings() const { return impl_->findings; }
 
 Map ModelMap::finish() {

@@ -138,6 +138,7 @@ std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const Mode
   rules.clearance = params.clearance;
   rules.heights = search.heights;
   rules.stands = search.stands;
+  rules.most = search.most_places;
   for (const Eigen::Vector3d& place : search.inside) rules.inside.push_back(search.T_w_up.inverse() * place);
   const ForEach forEach = [&](std::size_t n, const std::function<void(std::size_t)>& job) {
     ParallelStage(Stage::viewpoints, n, search.threads, search.progress).run(job);
@@ -147,13 +148,19 @@ std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const Mode
     return {};
   }
   FreePlaces found = freePlaces(probe, rules, forEach);
-  if (found.positions.empty() && rules.inside.empty()) {
+  if (found.positions.empty() && found.too_many == 0 && rules.inside.empty()) {
     rules.beside = kBeside;
     found = freePlaces(probe, rules, forEach);
     findings.is_open = true;
   }
-  findings.places = found.positions.size();
+  findings.too_many = found.too_many > 0;
+  findings.places = findings.too_many ? found.too_many : found.positions.size();
   findings.outdoors = found.outdoors;
+  if (findings.too_many)
+    findings.problem =
+        fmt::format("a camera can be at about {} places in it, more than {}; check the unit, or "
+                    "increase spacing",
+                    findings.places, search.most_places);
   return found.positions;
 }
 

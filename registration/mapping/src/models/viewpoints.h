@@ -18,6 +18,7 @@ struct ViewpointSearch {
   bool stands = false;                  ///< on the floor, as on a robot
   std::vector<Eigen::Vector3d> inside;  ///< places of the areas to fill, in the surface's frame
   Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();  ///< to the surface's frame from one with z up
+  std::size_t most_places = ModelMap::kMostPlaces;
   int threads = 1;
   MapProgressCallback progress;
 };

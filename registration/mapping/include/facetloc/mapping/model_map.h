@@ -49,8 +49,9 @@ struct ModelMapParams {
 struct ModelFindings {
   std::vector<Eigen::Isometry3d> viewpoints;  ///< T_w_c of the local models, in their order
   std::size_t places = 0;                     ///< positions where a camera can be, if they were looked for
-  std::size_t outdoors = 0;                   ///< positions that were left out, in an area around all others
-  bool is_open = false;                       ///< the surface shows no whole room: positions are beside it
+  bool too_many = false;     ///< there are more places than are looked from: their number is an estimate
+  std::size_t outdoors = 0;  ///< positions that were left out, in an area around all others
+  bool is_open = false;      ///< the surface shows no whole room: positions are beside it
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< the upward direction that viewpoints rest on
   double overlap = 0;                             ///< with which viewpoints were chosen
   std::size_t without_segments = 0;               ///< viewpoints that became no local models
@@ -67,6 +68,8 @@ struct ModelFindings {
  * taken from; a camera in the hand is expected at several heights. */
 class ModelMap {
 public:
+  static constexpr std::size_t kMostPlaces = 20000;
+
   /** \brief \param camera without valid intrinsics, a Kinect's are taken. Throws std::invalid_argument for a
    * parameter out of its range or no surface. */
   ModelMap(std::shared_ptr<const Surface> surface, const Camera& camera, const ModelMapParams& params = {},
@@ -94,6 +97,9 @@ public:
   void setInside(std::vector<Eigen::Vector3d> places);
   /** \brief Heights of the optical centre above the floor, instead of the mounting's [m]. */
   void setHeights(std::vector<double> heights);
+  /** \brief Makes no map if a camera can be at more places than this, which takes hours, as for a model in
+   * another unit; kMostPlaces unless set. \param n 0 = any number */
+  void setMostPlaces(std::size_t n);
 
   /** \brief The map with its ambiguity; empty, with findings().problem, if no view shows segments. Local
    * models are named "view-00001" and so on, in an order that does not depend on the number of threads.
