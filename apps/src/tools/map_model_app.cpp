@@ -136,7 +136,11 @@ private:
       console.out << fmt::format("{} of {:.2f} x {:.2f} x {:.2f} m\n", counted(used, item), size.x(),
                                  size.y(), size.z());
       if (surface->leftOut() > 0)
-        console.note(fmt::format("{} left out: {}", counted(surface->leftOut(), item), why));
+        console.find({"model.left_out",
+                      Severity::note,
+                      fmt::format("{} left out: {}", counted(surface->leftOut(), item), why),
+                      "",
+                      {{"left_out", static_cast<double>(surface->leftOut())}}});
       return surface;
     };
     if (!model.polygons.empty()) {
@@ -211,11 +215,14 @@ private:
                     "its planes do not show which direction is up; name it: " + upOptions(orientation));
     if (!named) console.out << fmt::format("the upward direction is {}\n", toOption(*up));
     if (!named && !orientation.isSignKnown())
-      console.note(fmt::format(
-          "nothing in it distinguishes its floors from its ceilings: if {} is down, name the upward "
-          "direction with --up={}",
-          toOption(*up), toOption(-*up)));
-    if (named) console.note(upRemark(orientation, *named));
+      console.find(
+          {"model.up", Severity::note,
+           fmt::format("nothing in it distinguishes its floors from its ceilings: if {} is down, name "
+                       "the upward direction with --up={}",
+                       toOption(*up), toOption(-*up)),
+           ""});
+    if (const std::string remark = named ? upRemark(orientation, *named) : std::string(); !remark.empty())
+      console.find({"model.up", Severity::doubt, remark, ""});
   }
 
   Map make(const Console& console) const {
@@ -230,15 +237,18 @@ private:
     if (found.places > 0)
       console.out << fmt::format("{} where the camera can be\n", counted(found.places, "place"));
     if (found.is_open)
-      console.note(
-          "it is no whole room: views are taken wherever they show enough of it; --viewpoints, such as the "
-          "poses of the scanner, name better ones, and --up the upward direction");
+      console.find({"model.open", Severity::note,
+                    "it is no whole room: views are taken wherever they show enough of it",
+                    "--viewpoints, such as the poses of the scanner, name better ones, and --up the upward "
+                    "direction"});
     if (found.outdoors > 0)
-      console.note(fmt::format("{} left out, in areas that {}", counted(found.outdoors, "place"),
-                               inside_.empty()
-                                   ? "surround all others and are taken for outdoors; --inside names an "
-                                     "area to fill"
-                                   : "do not hold the place that --inside names"));
+      console.find({"model.outdoors",
+                    Severity::note,
+                    fmt::format("{} left out, in areas that {}", counted(found.outdoors, "place"),
+                                inside_.empty() ? "surround all others and are taken for outdoors"
+                                                : "do not hold the place that --inside names"),
+                    inside_.empty() ? "--inside names an area to fill" : "",
+                    {{"places", static_cast<double>(found.outdoors)}}});
     if (found.places > 0 && found.overlap < params_.overlap)
       console.note(
           fmt::format("a local model shows {:.0f} %, not {:.0f} %, of what a camera near it sees: more would "
