@@ -14,9 +14,6 @@ constexpr auto kReplace =
 /** \brief Runs facetloc_map. */
 ToolRun runMap(const std::vector<std::string>& arguments);
 
-/** \brief All that is in a folder, sorted. */
-std::vector<std::filesystem::path> filesOf(const std::string& folder);
-
 /** \brief One simulated room for the tests of all tools (defined in test_tools.cpp); each test writes to a
  * folder of its own. */
 class Tools : public testing::Test {
