@@ -19,7 +19,6 @@ constexpr std::size_t kMapFrames = 444, kQueryFrames = 348;
 constexpr double kMapStep = 0.25;     // [m]
 constexpr double kSwayDeg = 10;       // sway of the later run
 constexpr double kQueryStart = 1000;  // [s]
-constexpr std::uint64_t kRunSeeds = 64;
 
 Map seen(const SimulatedWorld& scene, const SimulatedCamera& camera, const CameraMounting& mounting,
          const std::vector<Eigen::Isometry3d>& poses, const std::vector<std::size_t>& frames,
