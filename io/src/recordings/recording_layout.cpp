@@ -129,7 +129,7 @@ private:
   }
 
   void findPosesByName() {
-    findPosesBesideImages();
+    if (!layout_.frames.empty()) findPosesBesideImages();
     if (!layout_.poses.empty()) return;
     if (const auto file = trajectoryIn(within_)) {
       layout_.poses = {*file, 0, {}, {}};
