@@ -83,7 +83,8 @@ void addStreamOption(CommandLine& line, bool& streams) {
 }
 
 Console besideStream(const Console& console) {
-  return {console.err, console.err, console.terminal, console.quiet, console.tool};
+  return {console.err,  console.err,     console.terminal, console.quiet,
+          console.tool, console.watched, console.findings};
 }
 
 }  // namespace facetloc
