@@ -89,7 +89,7 @@ protected:
     folder_ = std::make_unique<TemporaryFolder>();
     ASSERT_EQ(runTool<simulateApp>({"room", "-o", *folder_ / "", "--seed", "8", "--map-frames", "60",
                                     "--query-frames", "2", "--width", "320", "--drive.turn_deg", "8",
-                                    "--sensor.distortion", "3"})
+                                    "--sensor.distortion", "1"})
                   .code,
               0);
     std::ifstream in(recording() + "/camera.ini");

@@ -402,7 +402,7 @@ TEST(EvaluateApp, PrintsAndWritesTheTables) {
   }
   writeResults(folder / "results", results, "");
   writeTumTrajectory(folder / "truth.txt", exampleTruth().poses());
-  const ToolRun run = ok(runTool<evaluateApp>({folder / "results", folder / "truth.txt"}));
+  const ToolRun run = ok(runTool<evaluateApp>({folder / "results", folder / "truth.txt", "--table-paper"}));
   EXPECT_THAT(run.out, HasAll("718 (90.65 %)", "3 (60.00 %)"));
   EXPECT_EQ(lastLine(run.out), "evaluation in " + (folder / "results/evaluation"));
   EXPECT_THAT(contentOf(folder / "results/evaluation/tables.csv"),

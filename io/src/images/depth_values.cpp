@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fmt/format.h>
 
 namespace facetloc {
@@ -125,7 +126,7 @@ DepthValues depthValues(const DepthSequence& sequence) {
   Counter counter;
   for (std::size_t i = 0; i < n; ++i) {
     const auto& path = frames[i * frames.size() / n].path;
-    if (!internal::isPng(path)) continue;
+    if (!internal::isPng(path) || !std::filesystem::is_regular_file(path)) continue;  // a pipe is read once
     try {
       constexpr int kBits = 16;
       counter.add(readGreyPng(path, kBits));

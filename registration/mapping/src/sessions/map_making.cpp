@@ -131,7 +131,7 @@ void judge(const CameraTrajectory& trajectory, Findings& all) {
 
 /** A distortion that cannot be separated from the errors of the poses. */
 void judge(const DistortionEstimate& found, bool own_trajectory, Findings& all) {
-  constexpr double kSenselessDegrees = 10;
+  constexpr double kSenselessDegrees = 20;
   if (found.reliable()) return;
   const double degrees = found.poses.rotation_std / kDegree, mm = 1e3 * found.poses.translation_std;
   if (own_trajectory && degrees > kSenselessDegrees)
