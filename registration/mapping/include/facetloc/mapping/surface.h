@@ -30,8 +30,8 @@ public:
   virtual bool isIncomplete() const { return false; }
 
   /** \brief Whether a camera may be there, as far as more is known than the surface shows: a floor plan names
-   * free places. \param place in the surface's frame [m] */
-  virtual bool isFree(const Eigen::Vector3d& /*place*/) const { return true; }
+   * free places. Positions are in the frame of the surface [m]. */
+  virtual bool isFree(const Eigen::Vector3d& /*position*/) const { return true; }
 
   /** \brief Whether it was drawn, not seen: it holds surfaces that stay, without objects that people move. */
   virtual bool isDrawn() const { return false; }
