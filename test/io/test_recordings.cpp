@@ -134,6 +134,13 @@ TEST_F(Recordings, ImagesOfSeveralCamerasAreNoRecording) {
     putDepth(name, 1);
   put("camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=1000");
   EXPECT_EQ(open().frames().size(), 4u) << "hours and minutes are no cameras";
+  const TemporaryFolder folder;
+  putBytes(folder / "camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=1000");
+  for (const char* seconds : {"1000", "1001", "1002", "1003"})
+    for (const char* nanoseconds : {"_000000000", "_500000000"})
+      writePng(folder / (std::string(seconds) + nanoseconds + ".png"),
+               Raster<std::uint16_t>{2, 2, 1, {1, 1, 1, 1}});
+  EXPECT_EQ(DepthSequence::open(folder.path()).frames().size(), 8u) << "nor are seconds and nanoseconds";
 }
 
 TEST_F(Recordings, AMatrixOfIntrinsicsIsACamera) {

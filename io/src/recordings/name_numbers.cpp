@@ -134,6 +134,7 @@ std::string numbersOf(const std::string& name) {
 }
 
 std::vector<std::size_t> seriesInNames(const std::vector<std::string>& names) {
+  constexpr std::size_t kMostCameras = 8;
   std::vector<Pieces> pieces;
   std::size_t slots = 0;  // numbers that all names have; one slot more stands for their words
   for (const std::string& name : names) {
@@ -157,7 +158,11 @@ std::vector<std::size_t> seriesInNames(const std::vector<std::string>& names) {
     const auto in_all = std::count_if(series_with.begin(), series_with.end(), [&](const auto& other) {
       return other.second.size() == series.size();
     });
-    const bool repeats = series.size() > 1 && in_all > 1 && series.size() < series_with.size() &&
+    const bool may_count = slot == slots || std::all_of(series.begin(), series.end(), [](const auto& camera) {
+                             return camera.first.size() == 1;  // no seconds, no fractions of one
+                           });
+    const bool repeats = may_count && series.size() > 1 && series.size() <= kMostCameras && in_all > 1 &&
+                         series.size() < series_with.size() &&
                          2 * in_all > static_cast<std::ptrdiff_t>(series_with.size());
     if (repeats) return of_names;
   }
