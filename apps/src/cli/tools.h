@@ -11,7 +11,7 @@ namespace facetloc {
 using MakeApp = std::unique_ptr<App>();
 MakeApp checkApp, convertApp, evaluateApp, liveApp, localizeApp, registerApp, renderApp, segmentApp,
     simulateApp, tryApp;
-/** \brief The same of a command of facetloc_map. */
+/** \brief Makes a command of facetloc_map. */
 MakeApp mapBuildApp, mapCalibrateApp, mapCheckApp, mapDensifyApp, mapExportApp, mapExtendApp, mapImportApp,
     mapInfoApp, mapMergeApp, mapModelApp;
 

@@ -73,7 +73,7 @@ struct MapCompletion {
  * views of the map in it without their surroundings (localization/METHOD 1.5). \return the mounting, if it
  * was found now */
 std::optional<FoundMounting> completeMap(MapSink& sink, const MapCompletion& how = {});
-/** \brief The same of a map in memory. */
+/** \brief Ends a map that is in memory. */
 std::optional<FoundMounting> completeMap(const std::shared_ptr<Map>& map, const MapCompletion& how = {});
 
 /** \brief Makes local models of images and adds them to a map, unless they are there. Images without
