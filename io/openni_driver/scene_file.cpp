@@ -36,7 +36,7 @@ public:
       if (!entry.empty()) store(entry);
     }
     if (file_.scene.empty()) throw IoError(path_, "has no scene");
-    file_.drive.validate(), file_.pace.validate(), file_.noise.validate();
+    checkRanges(file_.drive), checkRanges(file_.pace), checkRanges(file_.noise);
     return file_;
   }
 

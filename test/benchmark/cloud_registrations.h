@@ -44,7 +44,6 @@ struct PeerParams {
     visit("ndt_resolution", p.ndt_resolution, 0.01, 10.0, "Edge of the cells of NDT [m].");
     visit("ndt_voxel", p.ndt_voxel, 0.001, 1.0, "Edge of the voxels of the source of NDT [m].");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief The points of a depth image as an organized cloud, NaN where nothing is measured. */

@@ -26,7 +26,6 @@ struct GicpOdometryParams {
     visit("max_rms", p.max_rms, 0.001, 10.0,
           "Largest root mean square distance of corresponding points that is no break [m].");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief The way of a camera from image to image by pcl::GeneralizedIterativeClosestPoint, with the last

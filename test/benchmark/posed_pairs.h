@@ -46,7 +46,6 @@ struct PairChoice {
     visit("unrelated_distance", p.unrelated_distance, 0.0, 100.0,
           "Least distance of the cameras of unrelated pairs, without a pixel in common [m].");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Two frames, by their places in the list. */

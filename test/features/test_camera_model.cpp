@@ -128,10 +128,10 @@ TEST(CameraModel, ImpossibleIntrinsicsAreNotValid) {
 
 TEST(CameraModel, NoiseOutsideItsRangeIsNamed) {
   SensorNoise noise;
-  EXPECT_NO_THROW(noise.validate());
+  EXPECT_NO_THROW(checkRanges(noise));
   noise.distortion_slope = std::numeric_limits<double>::quiet_NaN();
   try {
-    noise.validate();
+    checkRanges(noise);
     FAIL() << "NaN was accepted";
   } catch (const std::invalid_argument& e) {
     EXPECT_THAT(e.what(), testing::HasSubstr("distortion_slope"));

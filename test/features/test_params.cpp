@@ -103,13 +103,13 @@ TEST(Params, FieldsCanBeWritten) {
   EXPECT_TRUE(outer.inner.is_open);
 }
 
-TEST(Params, DefaultsAreValid) { EXPECT_NO_THROW(SensorNoise{}.validate()); }
+TEST(Params, DefaultsAreValid) { EXPECT_NO_THROW(checkRanges(SensorNoise{})); }
 
 TEST(Params, TheFirstFieldOutsideItsRangeIsNamed) {
   SensorNoise p;
   p.distortion_offset = 1.5, p.depth_std_slope = -1;
   try {
-    p.validate();
+    checkRanges(p);
     FAIL() << "1.5 was accepted";
   } catch (const std::invalid_argument& e) {
     EXPECT_THAT(e.what(), HasSubstr("distortion_offset = 1.5"));
@@ -128,7 +128,7 @@ TEST(Params, TheFirstFieldOutsideItsRangeIsNamed) {
 TEST(Params, NotANumberIsOutsideEveryRange) {
   SensorNoise p;
   p.depth_std = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(p.validate(), std::invalid_argument);
+  EXPECT_THROW(checkRanges(p), std::invalid_argument);
 }
 
 TEST(Params, IniTextKeepsEveryDigitInTheOrderOfTheDescription) {

@@ -305,7 +305,7 @@ bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream&
   throw UsageError("too many arguments");
 } catch (const po::error& e) {
   throw UsageError(e.what());
-} catch (const std::invalid_argument& e) {  // thrown by validate()
+} catch (const std::invalid_argument& e) {  // thrown by checkRanges()
   throw UsageError(e.what());
 }
 

@@ -42,7 +42,6 @@ struct EvaluationParams {
     visit("max_rotation_deg", p.max_rotation_deg, 0.0, 180.0,
           "Maximum orientation error of a correct hypothesis [deg].", kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief The difference of a pose from the true one. */

@@ -27,7 +27,6 @@ struct GravityParams {
           "Upward axis of the world, for poses in place of gravity: 1 = x, 2 = y, 3 = z, negative = down.",
           kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief The options --gravity ... of tools that read images whose camera knows which way is down. */

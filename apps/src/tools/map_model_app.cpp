@@ -113,7 +113,7 @@ private:
       throw UsageError("an occupancy grid says nothing of the height of its walls: --wall-height M");
     if (line.given("units") || line.given("up"))
       throw UsageError("an occupancy grid is in metres, with z up: units and up are for other models");
-    floor_plan_.validate();
+    checkRanges(floor_plan_);
   }
 
   std::shared_ptr<const FloorPlanSurface> floorPlan(const Console& console) const try {

@@ -167,7 +167,7 @@ double quantized(double inverse_depth, double step) {
 SimulatedCamera::SimulatedCamera(const Intrinsics& camera, const SimulatedNoise& noise, std::uint64_t seed)
     : camera_(camera), noise_(noise), seed_(seed) {
   if (!camera.valid()) throw std::invalid_argument("SimulatedCamera: the intrinsics are impossible");
-  noise.validate();
+  checkRanges(noise);
   const auto field = smoothField(camera.width, camera.height, Random(derivedSeed(seed, kDistortion)));
   const double scale = noise.noise_factor * noise.distortion / kKinectGain;
   distortion_.resize(field.size());

@@ -73,7 +73,7 @@ std::vector<Eigen::Isometry3d> simulateMapPoses(const std::vector<Eigen::Isometr
                                                 const MapPoseErrors& errors, std::uint64_t seed) {
   constexpr double kRadian = 1;   // weight of rotation, as path length of the camera [m]
   constexpr double kLongest = 3;  // wavelength, in terms of the shortest
-  errors.validate();
+  checkRanges(errors);
   std::vector<Waves> of_axes;
   for (std::uint64_t axis = 0; axis < 6; ++axis)
     of_axes.emplace_back(errors.length, kLongest * errors.length, Random(derivedSeed(seed, kDrift, axis)));

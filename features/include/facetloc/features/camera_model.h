@@ -118,7 +118,6 @@ struct SensorNoise : DepthNoise {
           "Minimum correlation length of the noise [px at 320 columns]; 0 = by each image. Each image is "
           "measured, and a smoother one has its own.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Covariance of a measured point p [m^2], 3x3, triangulation model in closed form (METHOD
@@ -159,7 +158,6 @@ struct RobotParams {
     visit("caster_distance", p.caster_distance, 0.01, 10.0,
           "Distance of the robot's caster behind the axle of its drive wheels [m].", kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 }  // namespace facetloc

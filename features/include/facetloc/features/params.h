@@ -97,10 +97,24 @@ void checkRanges(const Params& params, const std::string& name = {}) {
       name);
 }
 
-/** \brief The parameters, which have been checked; for the lists of constructors and for setters. */
+namespace params_detail {
+
+template <class Params>
+auto check(const Params& params, int) -> decltype(params.validate()) {
+  params.validate();
+}
+template <class Params>
+void check(const Params& params, long) {
+  checkRanges(params);
+}
+
+}  // namespace params_detail
+
+/** \brief The parameters, which have been checked, also by their own validate() if they have one; for the
+ * lists of constructors and for setters. */
 template <class Params>
 const Params& checked(const Params& params) {
-  params.validate();
+  params_detail::check(params, 0);
   return params;
 }
 

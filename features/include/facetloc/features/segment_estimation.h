@@ -33,7 +33,6 @@ struct SegmentEstimationParams {
     visit("paper_uncertainty", p.paper_uncertainty, false, true,
           "Uncertainty of a segment by the paper's eqs. (4)-(5) instead of the covariance of its plane fit.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Sigma_q by the paper's eqs. (4)-(5) with factor kappa_u on sigma_r; diagonal. */

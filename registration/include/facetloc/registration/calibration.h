@@ -238,7 +238,6 @@ struct Calibration {
     visit("pair_probability", p.pair_probability);
     visit("sequence", p.sequence);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 }  // namespace facetloc

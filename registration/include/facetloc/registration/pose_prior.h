@@ -30,7 +30,6 @@ struct PosePriorParams {
         kForUsers);
     visit("robot", p.robot);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Covariance of (roll, pitch, height) of the robot base on an uneven floor, METHOD 2.1. */
@@ -66,7 +65,6 @@ struct OdometryError {
     visit("turn_deg", p.turn_deg, 0.0, 180.0,
           "Error of the heading of a given odometry after one metre, standard deviation [deg].", kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief A motion of the camera that an odometry has measured, T_before_now, with its covariance

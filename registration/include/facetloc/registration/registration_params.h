@@ -30,7 +30,6 @@ struct MatchingParams {
           "Number of most informative segments of each image that generate hypotheses; fewer are faster.",
           kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief The iterated Extended Kalman Filter for one pair of segments (METHOD 5). */
@@ -50,7 +49,6 @@ struct EkfParams {
     visit("min_cosine", p.min_cosine, 0.0, 1.0,
           "Smallest cosine between the normals of a pair at the current pose.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Best-first search for consistent sets of pairs (METHOD 6). */
@@ -90,7 +88,6 @@ struct HypothesisTreeParams {
           "too "
           "[m].");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Steps of a registration that can be left out. */
@@ -109,7 +106,6 @@ struct RegistrationSteps {
     visit("depth_assistance", p.depth_assistance, false, true,
           "Find a translation that the planes leave free by comparing depth pictures.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief How a hypothesis is scored by its own local model (METHOD 10). */
@@ -123,7 +119,6 @@ struct ConsensusParams {
           "Score by the overlap of segments, as the paper does, instead of the log likelihood ratio and "
           "depth; probabilities are then meaningless.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Evidence of the nearest local models for a world pose, whichever of them generated it. */
@@ -138,7 +133,6 @@ struct EvidenceParams {
           "Test the best hypotheses against the depth of the nearest local models.");
     visit("hypotheses", p.hypotheses, 1, 100000, "Maximum number of hypotheses that are tested.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief When hypotheses of several local models are one place. */
@@ -150,7 +144,6 @@ struct MergingParams {
   static void describe(Self& p, Visitor&& visit) {
     visit("enabled", p.enabled, false, true, "List hypotheses of one place once.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Refinement of the best places by all pixels of the nearest local models. */
@@ -162,7 +155,6 @@ struct PlaceRefinementParams {
   static void describe(Self& p, Visitor&& visit) {
     visit("enabled", p.enabled, false, true, "Refine the poses of the best places by all depth pixels.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Limits on the uncertainty of a pose that one may act on. A sure answer is within them, whatever its
@@ -185,7 +177,6 @@ struct PoseLimits {
     visit("max_rotation_deg", p.max_rotation_deg, 1e-3, 180.0,
           "Maximum orientation uncertainty of a sure answer, two standard deviations [deg].", kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Parameters of the step from scores to probabilities. */
@@ -203,7 +194,6 @@ struct ProbabilityParams {
           "complete.",
           kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief How hypotheses of the pose of one view relative to another are found and scored. */
@@ -225,7 +215,7 @@ struct ViewRegistrationParams {
     visit("score", p.score);
   }
   /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
-  void validate() const { checkRanges(*this), calibration.validate(); }
+  void validate() const { checkRanges(*this), checkRanges(calibration); }
 };
 
 /** \brief Parameters of the registration of two views: hypotheses, and the ranking of them. A field is known
@@ -254,7 +244,7 @@ struct RegistrationParams : ViewRegistrationParams {
     visit("sure", p.sure);
   }
   /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
-  void validate() const { checkRanges(*this), calibration.validate(); }
+  void validate() const { checkRanges(*this), checkRanges(calibration); }
 };
 
 /** \brief How a camera moves from view to view, and which of its views are kept as keyframes. */
@@ -270,7 +260,6 @@ struct ViewOdometryParams {
     visit("key_rotation_deg", p.key_rotation_deg, 0.0, 180.0,
           "Rotation from all keyframes at which a new one is taken [deg].");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 }  // namespace facetloc

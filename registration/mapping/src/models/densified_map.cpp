@@ -244,8 +244,8 @@ private:
 
 Densification densify(Map& map, const DensifyParams& params, const ViewParams& view, int threads,
                       const MapProgressCallback& progress) {
-  params.validate();
-  view.validate();
+  checkRanges(params);
+  checkRanges(view);
   if (map.store()) throw std::invalid_argument("a map is densified in memory: read it with readMap()");
   Densification done;
   const std::vector<char> rendered = renderedViews(map);

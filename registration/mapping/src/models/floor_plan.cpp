@@ -97,7 +97,7 @@ double extentOf(const internal::CellOutline& outline) {
 }  // namespace
 
 pcl::PolygonMesh extrude(const OccupancyGrid& plan, const FloorPlanParams& params) {
-  params.validate();
+  checkRanges(params);
   PlanMesh mesh(plan);
   bool has_walls = false;
   for (const internal::CellOutline& outline : internal::outlinesOf(plan)) {

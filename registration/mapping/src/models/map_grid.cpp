@@ -199,7 +199,7 @@ std::vector<int> usableModels(const Map& map) {
 }  // namespace
 
 OccupancyGrid gridOf(const Map& map, const MapGridParams& params) {
-  params.validate();
+  checkRanges(params);
   if (!(params.lowest < params.highest))
     throw std::invalid_argument("the lowest height of an occupancy grid must be below the highest");
   const std::vector<int> models = usableModels(map);

@@ -66,9 +66,9 @@ AliasScores findAliases(const std::shared_ptr<const Map>& map, const MapCompleti
 }  // namespace
 
 void MapMakingParams::validate() const {
-  places.validate();
-  trajectory.validate();
-  view.validate();
+  checkRanges(places);
+  checkRanges(trajectory);
+  checkRanges(view);
   if (every < 0) throw std::invalid_argument("every must not be negative");
 }
 

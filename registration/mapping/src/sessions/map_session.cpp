@@ -33,10 +33,10 @@ void noteSession(const std::string& words, Map& map) {
 struct MapSession::Impl {
   Impl(std::shared_ptr<const Map> the_map, const Camera& camera, const MapUpdateParams& the_params)
       : map(std::move(the_map)), params(the_params) {
-    params.session.validate();
-    params.places.validate();
-    params.trajectory.validate();
-    params.view.validate();
+    checkRanges(params.session);
+    checkRanges(params.places);
+    checkRanges(params.trajectory);
+    checkRanges(params.view);
     run.camera = camera;
     run.view = params.view;
   }

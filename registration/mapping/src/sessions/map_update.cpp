@@ -338,7 +338,7 @@ void internal::removeModels(const std::vector<char>& removed, Map& map) {
 
 MapChanges internal::updateMap(Map& map, const std::vector<SessionImage>& session,
                                const MapBuilderParams& builder, const MapSessionParams& params, int threads) {
-  params.validate();
+  checkRanges(params);
   if (map.store()) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
   const Review review(map, session, threads);
   Update update(map, session, builder, params, review);

@@ -107,7 +107,7 @@ std::string SessionPlace::toString() const {
 SessionPlace internal::placeInMap(const GlobalLocalization& localization, const CameraTrajectory& trajectory,
                                   const MapSessionParams& params, int threads,
                                   const MapProgressCallback& progress) {
-  params.validate();
+  checkRanges(params);
   SessionPlace place;
   const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress, place);
   if (found.empty()) return place;
@@ -167,7 +167,7 @@ SessionPlace internal::placeRigidly(const GlobalLocalization& localization,
                                     const CameraTrajectory& trajectory, const MapBuilderParams& accuracy,
                                     const MapSessionParams& params, int threads,
                                     const MapProgressCallback& progress) {
-  params.validate();
+  checkRanges(params);
   SessionPlace place;
   const std::vector<FoundKeyframe> found = sureKeyframes(localization, trajectory, threads, progress, place);
   const MapBuilder builder(accuracy);

@@ -39,7 +39,6 @@ struct SplitParams {
     visit("max_vertices", p.max_vertices, 4, 1000000,
           "Limit of the number of vertices; the worst triangles are refined first.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Merge stage: when two regions, or the parts of a cell, are one plane (METHOD 5). */
@@ -58,7 +57,6 @@ struct MergeParams {
           "Distance from the camera centre below which the plane of a triangle or a square is a depth "
           "discontinuity [m].");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Labels of the pixels of each plane. */
@@ -77,7 +75,6 @@ struct LabelParams {
     visit("estimate_noise", p.estimate_noise, false, true,
           "Raise the camera's noise to that measured in each image.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Parameters of the whole segmentation; tolerances are multiples of the noise. */
@@ -93,7 +90,6 @@ struct SegmentationParams {
     visit("merge", p.merge);
     visit("labels", p.labels);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Labels of a depth image and the plane of each label. */

@@ -30,7 +30,6 @@ struct ViewParams : SegmentationParams {
     SegmentationParams::describe(p, visit);
     visit("features", p.features);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Depth image or organized cloud -> view: working width, the camera's range and distortion,

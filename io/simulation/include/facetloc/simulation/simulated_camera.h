@@ -64,7 +64,6 @@ struct SimulatedNoise {
         "filling_px", p.filling_px, 0.0, 50.0,
         "Width beside silhouettes over which depths are interpolated, and holes with them [px]; 0 = never.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Errors that neighbouring pixels have in common: smooth ones over the image, blurred or interpolated

@@ -42,7 +42,6 @@ struct DriveParams {
           "Distance that the robot keeps from walls and boxes of a room [m].");
     visit("robot", p.robot);
   }
-  void validate() const { checkRanges(*this); }
   CameraMounting mounting() const { return {camera_height, camera_tilt_deg}; }
 };
 
@@ -60,7 +59,6 @@ struct PaceParams {
     visit("speed", p.speed, 0.01, 10.0, "Speed of the robot straight on [m/s].", kForUsers);
     visit("turn_rate_deg", p.turn_rate_deg, 1.0, 360.0, "Turn rate of the robot on the spot [deg/s].");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief End of a route, at its last waypoint. */

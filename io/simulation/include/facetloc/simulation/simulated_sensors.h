@@ -37,7 +37,6 @@ struct WheelOdometryParams {
           "Random error of the heading, standard deviation after 1 m [deg]; grows with the root of the path "
           "length.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief The odometry of a robot on a drive: poses T_o_b of its base on a level plane, the first
@@ -71,7 +70,6 @@ struct MapPoseErrors {
     visit("length", p.length, 0.1, 1e4,
           "Path length of the camera over which the errors change [m]; a radian counts as a metre.");
   }
-  void validate() const { checkRanges(*this); }
   bool any() const { return translation_std > 0 || rotation_std_deg > 0; }
 };
 

@@ -48,7 +48,6 @@ struct ShortlistParams {
           "With an unknown mounting: maximum number of local models that a view is registered with.",
           kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Parameters of the search of a whole map. A field is known by its path, such as `ekf.iterations`. */
@@ -64,7 +63,7 @@ struct GlobalLocalizationParams : RegistrationParams {
     describeRanking(p, visit);
   }
   /** \brief Throws std::invalid_argument for a parameter or a constant out of its range. */
-  void validate() const { checkRanges(*this), calibration.validate(); }
+  void validate() const { checkRanges(*this), checkRanges(calibration); }
 };
 
 /** \brief How the views of a moving camera together tell where it is. */
@@ -84,7 +83,6 @@ struct LocalizerParams {
           "Rotation after which a view is localized in the map again [deg].", kForUsers);
     visit("max_places", p.max_places, 1, 1000, "Number of possible places of the camera that are kept.");
   }
-  void validate() const { checkRanges(*this); }
 };
 
 }  // namespace facetloc

@@ -32,7 +32,6 @@ struct DensifyParams {
     visit("growth", p.growth, 0.0, 100.0, "Maximum number of rendered views per view of the drive.",
           kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief The result of densify(). */

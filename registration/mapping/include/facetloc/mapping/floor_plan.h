@@ -23,7 +23,6 @@ struct MapGridParams {
     visit("lowest", p.lowest, 0.0, 100.0, "Minimum height of obstacles above the floor [m].", kForUsers);
     visit("highest", p.highest, 0.0, 100.0, "Maximum height of obstacles above the floor [m].", kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Occupancy grid of a map, or of its largest part, in the axes of its world, whose z axis is up.
@@ -53,7 +52,6 @@ struct FloorPlanParams {
     visit("ceiling", p.ceiling, false, true, "The ceiling is a plane, at the height of the walls.",
           kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Mesh of the walls of a floor plan, in the world of the grid, its floor at z = 0 [m] (METHOD 4.1).

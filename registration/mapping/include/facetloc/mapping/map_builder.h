@@ -25,7 +25,6 @@ struct MapBuilderParams {
     visit("pose_translation_std", p.pose_translation_std, 1e-6, 1e3,
           "Accuracy of given positions, standard deviation [m].", kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Chooses the images of a run that become local models: the first one, and every later one that lies

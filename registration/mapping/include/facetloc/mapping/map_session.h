@@ -31,7 +31,6 @@ struct MapSessionParams {
     visit("changed_share", p.changed_share, 0.0, 1.0,
           "Share of gone depth pixels above which a local model is replaced as a whole.", kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Where something with coordinates of its own is in a map. */

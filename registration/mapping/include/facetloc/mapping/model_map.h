@@ -42,7 +42,6 @@ struct ModelMapParams {
         "it show.",
         kForUsers);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief Findings of ModelMap beside its map. */

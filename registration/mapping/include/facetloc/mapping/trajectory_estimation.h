@@ -24,7 +24,6 @@ struct MappingParams {
     visit("odometry", p.odometry);
     visit("odometry_error", p.odometry_error);
   }
-  void validate() const { checkRanges(*this); }
 };
 
 /** \brief An image on a trajectory. */
