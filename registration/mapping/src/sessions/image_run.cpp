@@ -37,18 +37,19 @@ double lengthOf(const Eigen::Isometry3d& T) {
   return rotationAngle(T.linear()) / kTurn + T.translation().norm() / kDistance;
 }
 
+/** A view as of a camera in the hand, whatever is known of its mounting. */
+View unmounted(View view) {
+  view.camera.reset();
+  return view;
+}
+
 /** Motions to the images 1, 2, 4, ... after one, as long as they show the same. */
 std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImage>& images,
                                     ViewBuilders& builders) {
-  const auto viewOf = [&](std::size_t i) {
-    View view = builders.build(images[i]);
-    view.camera.reset();  // whatever is known of its mounting
-    return view;
-  };
   std::vector<SeenMotion> motions;
-  const PairRegistration target(viewOf(first));
+  const PairRegistration target(unmounted(builders.build(images[first])));
   for (std::size_t gap = 1; first + gap < images.size(); gap *= 2) {
-    const Localization answer = target.align(viewOf(first + gap));
+    const Localization answer = target.align(unmounted(builders.build(images[first + gap])));
     if (answer.state != AnswerState::sure) break;
     const Eigen::Isometry3d& T = answer.hypotheses.front().T_m_c.T;
     const double turn = rotationAngle(T.linear()), distance = T.translation().norm();
@@ -164,17 +165,13 @@ std::vector<PoseJump> ImageRun::poseJumps() const {
   const double usual = std::max(1.0, steps[steps.size() / 2].first);
   std::vector<PoseJump> jumps;
   ViewBuilders builders(camera, view);
-  const auto viewOf = [&](std::size_t i) {
-    View built = builders.build(images[i]);
-    built.camera.reset();  // whatever is known of its mounting
-    return built;
-  };
   for (std::size_t k = 0; k < std::min(steps.size(), kMostTried) && steps[k].first > kLonger * usual; ++k)
     try {
       const std::size_t i = steps[k].second;
       PoseJump jump{
           images[i].stamp, images[i + 1].stamp, images[i].T_w_c->inverse() * *images[i + 1].T_w_c, {}};
-      const Localization seen = PairRegistration(viewOf(i)).align(viewOf(i + 1));
+      const Localization seen = PairRegistration(unmounted(builders.build(images[i])))
+                                    .align(unmounted(builders.build(images[i + 1])));
       if (seen.state == AnswerState::sure) jump.by_images = seen.hypotheses.front().T_m_c.T;
       const bool contradicted =
           jump.by_images && lengthOf(jump.by_images->inverse() * jump.by_poses) > kLonger * usual;
