@@ -3,8 +3,6 @@
 
 #include <facetloc/features/pose.h>
 
-#include <Eigen/Geometry>
-
 #include <cmath>
 
 namespace facetloc {

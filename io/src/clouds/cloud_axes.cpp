@@ -6,8 +6,6 @@
 
 #include <facetloc/features/organized_cloud.h>
 
-#include <Eigen/QR>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -4,8 +4,6 @@
 #include "pairs/cholesky3.h"
 #include "pairs/plane_measurement.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -7,7 +7,6 @@
 #include <facetloc/registration/candidate_pairs.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace facetloc {

@@ -6,8 +6,6 @@
 
 #include <facetloc/features/pose.h>
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>

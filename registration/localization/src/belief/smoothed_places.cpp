@@ -5,8 +5,6 @@
 
 #include <facetloc/features/pose.h>
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>

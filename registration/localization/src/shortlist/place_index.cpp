@@ -13,7 +13,6 @@
 #include <flann/flann.hpp>
 #include <fmt/format.h>
 #include <future>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
