@@ -6,6 +6,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
+#include <facetloc/testing/organized_clouds.h>
 #include <facetloc/testing/places.h>
 
 #include <pcl/io/lzf_image_io.h>
@@ -67,15 +68,8 @@ std::string LiveTool::writeClouds(std::size_t n) const {
   fs::create_directories(clouds);
   const DepthSequence images = DepthSequence::open(sequence());
   for (std::size_t i = 0; i < n; ++i) {
-    const DepthImage image = images.load(i);
-    pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
-    for (int v = 0; v < image.camera.height; ++v)
-      for (int u = 0; u < image.camera.width; ++u) {
-        const float z = image.at(u, v);
-        const Eigen::Vector3f p = z * image.camera.ray(u, v).cast<float>();
-        cloud(u, v) = z > 0 ? pcl::PointXYZ(p.x(), p.y(), p.z()) : pcl::PointXYZ(NAN, NAN, NAN);
-      }
-    pcl::io::savePCDFileBinaryCompressed(clouds + "/" + images.frames()[i].name + ".pcd", cloud);
+    const auto cloud = organizedCloud<pcl::PointXYZ>(images.load(i));
+    pcl::io::savePCDFileBinaryCompressed(clouds + "/" + images.frames()[i].name + ".pcd", *cloud);
   }
   return clouds;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frames that another program sends: facetloc_live --device -.
 #include "live_tool.h"
-#include "python.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
@@ -11,6 +10,13 @@
 
 namespace facetloc::test {
 namespace {
+
+/** A Python 3 that has these modules; empty if not found. \param modules separated by commas */
+std::string pythonWith(const std::string& modules) {
+  for (const char* python : {"python3", "/usr/bin/python3"})
+    if (Process({"/usr/bin/env", python, "-c", "import " + modules}).wait().code == 0) return python;
+  return {};
+}
 
 /** Through a shell, as a user types it. */
 std::vector<std::string> shell(const std::string& line) { return {"/bin/sh", "-c", line}; }

@@ -3,6 +3,7 @@
 #include "live/live_session.h"
 #include "process.h"
 
+#include <facetloc/testing/organized_clouds.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <pcl/io/image_depth.h>
@@ -62,13 +63,7 @@ private:
 };
 
 Cloud::Ptr cloudOf(const DepthImage& image, double stamp) {
-  Cloud::Ptr cloud(new Cloud(image.camera.width, image.camera.height));
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      const float z = image.at(u, v);
-      const Eigen::Vector3f p = z * image.camera.ray(u, v).cast<float>();
-      (*cloud)(u, v) = z > 0 ? pcl::PointXYZ(p.x(), p.y(), p.z()) : pcl::PointXYZ(NAN, NAN, NAN);
-    }
+  const auto cloud = organizedCloud<pcl::PointXYZ>(image);
   cloud->header.stamp = static_cast<std::uint64_t>(1e6 * stamp);
   return cloud;
 }

@@ -7,6 +7,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/results.h>
 #include <facetloc/testing/example_bag.h>
+#include <facetloc/testing/organized_clouds.h>
 #include <facetloc/testing/places.h>
 
 #include <pcl/io/pcd_io.h>
@@ -172,7 +173,8 @@ protected:
     for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
       const std::string name_of_image = "frame_20121214T1422" + std::to_string(55 + i / 4) + "." +
                                         std::to_string(25 * (i % 4) + 10) + "0000.pcd";
-      pcl::io::savePCDFileBinary((folder / name_of_image).string(), cloudOf(sequence.load(i)));
+      pcl::io::savePCDFileBinary((folder / name_of_image).string(),
+                                 *organizedCloud<pcl::PointXYZ>(sequence.load(i)));
       poses.push_back(
           {kBegin + 0.25 * double(i) + 0.1, *sequence.groundTruth().at(sequence.frames()[i].stamp)});
     }
@@ -196,16 +198,6 @@ private:
             is_seen ? seen.at(column, row) * static_cast<float>(std::sqrt(1 + ray->squaredNorm())) : 0.f);
       }
     return image;
-  }
-  static pcl::PointCloud<pcl::PointXYZ> cloudOf(const DepthImage& image) {
-    pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
-    for (int v = 0; v < image.camera.height; ++v)
-      for (int u = 0; u < image.camera.width; ++u) {
-        const float z = image.at(u, v);
-        cloud(u, v).getVector3fMap() = (image.camera.ray(u, v) * (z > 0 ? z : NAN)).cast<float>();
-      }
-    cloud.is_dense = false;
-    return cloud;
   }
 };
 

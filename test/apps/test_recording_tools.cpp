@@ -7,6 +7,7 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/testing/example_bag.h>
+#include <facetloc/testing/organized_clouds.h>
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
@@ -176,11 +177,7 @@ TEST_F(RecordingTools, ConvertTakesEveryNthImage) {
 TEST_F(RecordingTools, ConvertWritesCloudsWithTheirIntrinsics) {
   const DepthSequence walk = DepthSequence::open(map_run());
   const DepthImage image = walk.load(0);
-  pcl::PointCloud<pcl::PointXYZ> cloud(image.camera.width, image.camera.height);
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u)
-      cloud(u, v).getVector3fMap() =
-          (image.camera.ray(u, v) * (image.at(u, v) > 0 ? image.at(u, v) : NAN)).cast<float>();
+  pcl::PointCloud<pcl::PointXYZ> cloud = *organizedCloud<pcl::PointXYZ>(image);
   cloud(3, 3) = {0, 0, 20};  // farther than fits
   fs::create_directories(folder_ / "clouds");
   pcl::io::savePCDFileBinary(folder_ / "clouds/frame_20121214T142255.814212.pcd", cloud);

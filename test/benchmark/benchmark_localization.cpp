@@ -6,10 +6,10 @@
 
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/view_builder.h>
+#include <facetloc/testing/organized_clouds.h>
 
 #include <benchmark/benchmark.h>
 
-#include <limits>
 #include <map>
 #include <memory>
 #include <random>
@@ -87,16 +87,8 @@ BENCHMARK(localization)
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 Cloud::Ptr cloudOf(const SimulatedWorld& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
-  const DepthImage image =
-      SimulatedCamera(kinectIntrinsics(), SimulatedNoise{}, kSeed).render(scene, T_w_c, frame).depth;
-  auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      const float z = image.at(u, v) > 0 ? image.at(u, v) : std::numeric_limits<float>::quiet_NaN();
-      (*cloud)(u, v).getVector3fMap() = (image.camera.ray(u, v) * z).cast<float>();
-    }
-  cloud->is_dense = false;
-  return cloud;
+  return test::organizedCloud<pcl::PointXYZ>(
+      SimulatedCamera(kinectIntrinsics(), SimulatedNoise{}, kSeed).render(scene, T_w_c, frame).depth);
 }
 
 // Two clouds of 640x480 points as PCL's interface takes them: align() where the target stays, and its fitness

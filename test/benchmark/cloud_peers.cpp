@@ -11,9 +11,6 @@
 #include <pcl/registration/ndt.h>
 #include <pcl/registration/sample_consensus_prerejective.h>
 
-#include <cstdlib>
-#include <memory>
-
 namespace facetloc::benchmarks {
 namespace {
 

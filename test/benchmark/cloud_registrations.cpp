@@ -6,9 +6,6 @@
 #include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/planar_segmentation.h>
 
-#include <limits>
-#include <memory>
-
 namespace facetloc::benchmarks {
 namespace {
 
@@ -57,19 +54,6 @@ CloudAnswer alignFrames(const Camera& camera, const Cloud::ConstPtr& source, con
 }
 
 }  // namespace
-
-Cloud::Ptr organizedCloud(const DepthImage& image) {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  const auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
-  cloud->is_dense = false;
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      const float z = image.at(u, v);
-      const Eigen::Vector3f p = (z * image.camera.ray(u, v)).cast<float>();
-      cloud->at(u, v) = isMeasured(z) ? pcl::PointXYZ(p.x(), p.y(), p.z()) : pcl::PointXYZ(kNaN, kNaN, kNaN);
-    }
-  return cloud;
-}
 
 std::vector<CloudRegistration> ours(const Camera& camera) {
   const auto with = [&camera](auto* align) {

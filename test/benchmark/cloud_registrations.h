@@ -46,9 +46,6 @@ struct PeerParams {
   }
 };
 
-/** \brief The points of a depth image as an organized cloud, NaN where nothing is measured. */
-Cloud::Ptr organizedCloud(const DepthImage& image);
-
 /** \brief PlanarRegistration, and PlanarSegmentation, SegmentFrameEstimation and EkfRegistration, with
  * nothing set but the camera. */
 std::vector<CloudRegistration> ours(const Camera& camera);

@@ -25,6 +25,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/registration/pair_registration.h>
 #include <facetloc/segmentation/view_builder.h>
+#include <facetloc/testing/organized_clouds.h>
 
 #include <pcl/console/print.h>
 
@@ -187,8 +188,8 @@ void scoreClouds(const std::vector<CloudRegistration>& ways, const std::vector<P
   for (const CloudRegistration& way : ways) {
     CloudScore score;
     const auto align = [&](const FramePair& pair) {
-      const Cloud::Ptr source = organizedCloud(frames[pair.first].image(0)),
-                       target = organizedCloud(frames[pair.second].image(0));
+      const Cloud::Ptr source = test::organizedCloud<pcl::PointXYZ>(frames[pair.first].image(0)),
+                       target = test::organizedCloud<pcl::PointXYZ>(frames[pair.second].image(0));
       const auto start = std::chrono::steady_clock::now();
       const CloudAnswer answer = way.align(source, target);
       score.ms.push_back(milliseconds(start));

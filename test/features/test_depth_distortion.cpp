@@ -25,13 +25,9 @@ DepthDistortion example(const Intrinsics& camera) {
 }
 
 /** A plane as a camera with that distortion measures it. */
-DepthImage distorted(const DepthDistortion& distortion, DepthImage image) {
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      float& z = image.depth[static_cast<std::size_t>(v) * image.camera.width + u];
-      if (z > 0) z = static_cast<float>(1 / (1 / z + distortion.at(image.camera.ray(u, v).head<2>())));
-    }
-  return image;
+DepthImage distorted(const DepthDistortion& distortion, const DepthImage& image) {
+  return test::changedDepth(
+      image, [&](float z, const Eigen::Vector3d& ray) { return 1 / (1 / z + distortion.at(ray.head<2>())); });
 }
 
 DepthImage wall(const Intrinsics& camera) {

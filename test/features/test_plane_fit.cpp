@@ -4,7 +4,6 @@
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
-#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -61,32 +61,20 @@ Json::Value judged(const View& a, const View& b, const Eigen::Isometry3d& T_w_a,
   return out;
 }
 
-/** A corridor along y with the same niche on both sides every 1.8 m, or without. */
-test::Scene corridor(bool niches) {
-  test::Scene scene = test::endlessCorridor();
-  for (int k = niches ? -20 : 21; k <= 20; ++k) {
-    const double y = 1.8 * k;
-    scene =
-        scene + test::box({-0.9, y, 0}, {-0.75, y + 0.9, 2.4}) + test::box({0.75, y, 0}, {0.9, y + 0.9, 2.4});
-  }
-  return scene;
-}
-
-Eigen::Isometry3d alongCorridor(double y) { return test::lookingAlong({0, y, 1.2}, {0.03, 1, -0.2}); }
-
 Json::Value alongAxis(bool niches) {
   constexpr double kMoved = 0.8, kSeconds = 2;
   const auto at = [&](double y, unsigned seed) {
-    return std::make_shared<const View>(test::viewFrom(corridor(niches), alongCorridor(y), seed, 6));
+    return std::make_shared<const View>(test::viewFrom(
+        niches ? test::corridorWithNiches() : test::endlessCorridor(), test::alongCorridor(y), seed, 6));
   };
   const auto before = at(0, 1), now = at(kMoved, 2);
   const DepthComparison comparison{DepthCalibration{}};
-  const DepthFit fit(now->depth, {PosedPicture{&before->depth, alongCorridor(0)}}, comparison);
+  const DepthFit fit(now->depth, {PosedPicture{&before->depth, test::alongCorridor(0)}}, comparison);
   Json::Value out;
   out["truth"] = kMoved;
   for (int i = -75; i <= 75; ++i) {
     Json::Value point(Json::arrayValue);
-    const auto value = fit(alongCorridor(0.04 * i), kFineColumns);
+    const auto value = fit(test::alongCorridor(0.04 * i), kFineColumns);
     if (!value) continue;
     point.append(rounded(0.04 * i, 2)), point.append(rounded(*value, 2));
     out["curve"].append(point);
@@ -95,8 +83,8 @@ Json::Value alongAxis(bool niches) {
   motion.next(before, 0);
   for (const MotionMode& mode : motion.next(now, kSeconds).modes) {
     Json::Value one;
-    const Eigen::Isometry3d T_w_c = alongCorridor(0) * mode.T_a_b.T;
-    const Eigen::Vector3d along = alongCorridor(0).linear().transpose() * Eigen::Vector3d::UnitY();
+    const Eigen::Isometry3d T_w_c = test::alongCorridor(0) * mode.T_a_b.T;
+    const Eigen::Vector3d along = test::alongCorridor(0).linear().transpose() * Eigen::Vector3d::UnitY();
     one["y"] = rounded(T_w_c.translation().y(), 2), one["probability"] = rounded(mode.probability, 3);
     one["std"] = rounded(std::sqrt(along.dot(mode.T_a_b.P.bottomRightCorner<3, 3>() * along)), 3);
     out["modes"].append(one);

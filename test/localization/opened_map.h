@@ -5,7 +5,7 @@
 
 #include <facetloc/io/map_database.h>
 #include <facetloc/registration/hypothesis.h>
-#include <facetloc/testing/synthetic_depth.h>
+#include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>
 
@@ -30,12 +30,14 @@ inline std::shared_ptr<Map> openedMap(Map map) {
   return {opened, &opened->map};
 }
 
-/** \brief On a circle about the middle of the large room, looking outwards and down: the floor is always in
- * view. */
-inline Eigen::Isometry3d onCircle(double degrees, double radius, double height = 1.2) {
-  const double a = degrees * kDegree;
-  return lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), height},
-                      {std::cos(a), std::sin(a), -0.4});
+/** \brief The large room, by 18 images all around its middle. */
+inline std::shared_ptr<Map> roomMap() {
+  auto map = std::make_shared<Map>();
+  for (int i = 0; i < 18; ++i) {
+    const Eigen::Isometry3d T_w_m = onCircle(20 * i, 0.35);
+    map->models.emplace_back("", 0, T_w_m, viewFrom(largeRoom(), T_w_m, 1000 + i));
+  }
+  return map;
 }
 
 /** \brief Two answers to the last bit. */

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "opened_map.h"
 #include "ranking/global_localization.h"
 #include "shortlist/known_gravity.h"
 
@@ -7,12 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-
 namespace facetloc {
 namespace {
 
 using namespace internal;
+using test::onCircle, test::roomMap;
 
 const Eigen::Vector3d kDown = -Eigen::Vector3d::UnitZ();
 
@@ -20,28 +20,12 @@ Gravity gravityAt(const Eigen::Isometry3d& T_w_c, double std = kDegree) {
   return {T_w_c.linear().transpose() * kDown, std};
 }
 
-/** Pose in the large room, looking outwards and down. */
-Eigen::Isometry3d poseAt(double degrees, double radius, double slope = -0.4) {
-  const double a = degrees * kDegree;
-  return test::lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), 1.2},
-                            {std::cos(a), std::sin(a), slope});
-}
-
 Eigen::Isometry3d rolled(const Eigen::Isometry3d& T, double degrees) {
   return T * Eigen::AngleAxisd(degrees * kDegree, Eigen::Vector3d::UnitZ());
 }
 
-std::shared_ptr<Map> roomMap() {
-  auto map = std::make_shared<Map>();
-  for (int i = 0; i < 18; ++i) {
-    const Eigen::Isometry3d T_w_m = poseAt(20 * i, 0.35);
-    map->models.emplace_back("", 0, T_w_m, test::viewFrom(test::largeRoom(), T_w_m, 1000 + i));
-  }
-  return map;
-}
-
 TEST(KnownGravity, FixesRollAndPitchOfAPrior) {
-  const Eigen::Isometry3d model = poseAt(0, 0), view = rolled(poseAt(10, 0, 0.3), 70);
+  const Eigen::Isometry3d model = onCircle(0, 0), view = rolled(onCircle(10, 0, 1.2, -0.3), 70);
   PoseWithCovariance prior{Eigen::Isometry3d::Identity(), posePrior({})};
   const PoseWithCovariance out = correctedByGravity(prior, gravityAt(model), gravityAt(view), false);
   const Eigen::Isometry3d truth = model.inverse() * view;
@@ -92,7 +76,7 @@ TEST(KnownGravity, FindsACameraThatIsHeldInAnyWay) {
   const GlobalLocalization localization(map);
   int right = 0;
   for (int i = 0; i < 4; ++i) {
-    const Eigen::Isometry3d truth = rolled(poseAt(15 + 90 * i, 0.5), 55);
+    const Eigen::Isometry3d truth = rolled(onCircle(15 + 90 * i, 0.5), 55);
     View view = test::viewFrom(test::largeRoom(), truth, 7 + i);
     view.gravity = gravityAt(truth);
     const Localization answer = localization.localize(view);
@@ -106,7 +90,7 @@ TEST(KnownGravity, FindsACameraThatIsHeldInAnyWay) {
 TEST(KnownGravity, ThatIsImpossibleIsIgnored) {
   const auto map = roomMap();
   const GlobalLocalization localization(map);
-  View view = test::viewFrom(test::largeRoom(), poseAt(100, 0.5), 3);
+  View view = test::viewFrom(test::largeRoom(), onCircle(100, 0.5), 3);
   const Localization without = localization.localize(view);
   view.gravity = Gravity{{0, 0, 0}, kDegree};
   const Localization with = localization.localize(view);

@@ -4,12 +4,11 @@
 
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/registration/pose_prior.h>
+#include <facetloc/testing/organized_clouds.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>
-
-#include <limits>
 
 namespace facetloc {
 namespace {
@@ -18,32 +17,14 @@ using test::onCircle, testing::HasSubstr;
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-std::shared_ptr<const Map> roomMap() {
-  auto map = std::make_shared<Map>();
-  for (int i = 0; i < 18; ++i) {
-    const Eigen::Isometry3d T_w_m = onCircle(20 * i, 0.35);
-    map->models.emplace_back("", 0, T_w_m, test::viewFrom(test::largeRoom(), T_w_m, 1000 + i));
-  }
-  return map;
-}
-
 Cloud::Ptr cloudFrom(const Eigen::Isometry3d& T_w_c, unsigned seed) {
-  const DepthImage image = test::noisy(test::render(test::largeRoom(), test::smallCamera(), T_w_c, 20).image,
-                                       SensorNoise{}.inverse_depth_std, seed);
-  auto cloud = pcl::make_shared<Cloud>(image.camera.width, image.camera.height);
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      const float z = isMeasured(image.at(u, v)) ? image.at(u, v) : nan;
-      (*cloud)(u, v).getVector3fMap() = z * image.camera.ray(u, v).cast<float>();
-    }
-  cloud->is_dense = false;
-  return cloud;
+  const DepthImage image = test::render(test::largeRoom(), test::smallCamera(), T_w_c, 20).image;
+  return test::organizedCloud<pcl::PointXYZ>(test::noisy(image, SensorNoise{}.inverse_depth_std, seed));
 }
 
 class MapLocalizationInARoom : public testing::Test {
 protected:
-  static void SetUpTestSuite() { map = test::openedMap(*roomMap()); }
+  static void SetUpTestSuite() { map = test::openedMap(*test::roomMap()); }
   static void TearDownTestSuite() { map.reset(); }
   void SetUp() override { localization.setMap(map); }
   static inline std::shared_ptr<const Map> map;

@@ -42,14 +42,12 @@ protected:
     const std::vector<Eigen::Isometry3d> poses = cameras();
     depth_.clear();
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      DepthImage image = test::noisy(test::render(test::largeRoom(), smallCamera(), poses[i]).image,
-                                     kNoise.inverse_depth_std, static_cast<unsigned>(i));
-      for (int v = 0; v < image.camera.height; ++v)
-        for (int u = 0; u < image.camera.width; ++u) {
-          float& z = image.depth[static_cast<std::size_t>(v) * image.camera.width + u];
-          z = static_cast<float>(1 / (1 / z + strength * trueDistortion(image.camera.ray(u, v).head<2>())));
-        }
-      depth_.push_back(DepthPicture::fromDepth(image));
+      const DepthImage image = test::noisy(test::render(test::largeRoom(), smallCamera(), poses[i]).image,
+                                           kNoise.inverse_depth_std, static_cast<unsigned>(i));
+      depth_.push_back(
+          DepthPicture::fromDepth(test::changedDepth(image, [&](float z, const Eigen::Vector3d& ray) {
+            return 1 / (1 / z + strength * trueDistortion(ray.head<2>()));
+          })));
     }
     for (std::size_t i = 0; i < poses.size(); ++i) pictures_.push_back({&depth_[i], poses[i]});
   }

@@ -33,12 +33,7 @@ std::vector<DepthImage> imagesOfARoom() {
 /** The same, with each depth changed by its place in the image. */
 std::vector<DepthImage> changed(const std::function<double(double z, const Eigen::Vector3d& ray)>& change) {
   std::vector<DepthImage> images = imagesOfARoom();
-  for (DepthImage& image : images)
-    for (int v = 0; v < image.camera.height; ++v)
-      for (int u = 0; u < image.camera.width; ++u) {
-        float& z = image.depth[static_cast<std::size_t>(v) * image.camera.width + u];
-        if (isMeasured(z)) z = static_cast<float>(change(z, image.camera.ray(u, v)));
-      }
+  for (DepthImage& image : images) image = test::changedDepth(std::move(image), change);
   return images;
 }
 

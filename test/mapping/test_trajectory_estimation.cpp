@@ -28,11 +28,7 @@ test::Scene furnishedRoom() {
 }
 
 /** Once around the middle of the room and a bit further, looking outwards. */
-Eigen::Isometry3d onCircle(double turn_deg) {
-  const double a = turn_deg * kDegree;
-  return lookingAlong({3 + 0.75 * std::cos(a), 2.5 + 0.75 * std::sin(a), 1.2},
-                      {std::cos(a), std::sin(a), -0.25});
-}
+Eigen::Isometry3d onCircle(double turn_deg) { return test::onCircle(turn_deg, 0.75, 1.2, 0.25); }
 
 /** Poses relative to the first one against the true ones. */
 double largestError(const CameraTrajectory& found, const std::vector<Eigen::Isometry3d>& truth) {

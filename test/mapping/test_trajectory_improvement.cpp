@@ -11,16 +11,12 @@
 namespace facetloc {
 namespace {
 
-using test::largeRoom, test::lookingAlong, test::PoseNear, test::viewFrom;
+using test::largeRoom, test::PoseNear, test::viewFrom;
 
 constexpr double kStep = 1.0 / 15;  // [s]
 
 /** Around the middle of the room, looking outwards and down. */
-Eigen::Isometry3d onCircle(int i) {
-  const double a = 4 * kDegree * i;
-  return lookingAlong({3 + 0.75 * std::cos(a), 2.5 + 0.75 * std::sin(a), 1.2},
-                      {std::cos(a), std::sin(a), -0.25});
-}
+Eigen::Isometry3d onCircle(int i) { return test::onCircle(4 * i, 0.75, 1.2, 0.25); }
 
 void drive(TrajectoryEstimation& estimation, int first, int last) {
   for (int i = first; i < last; ++i)

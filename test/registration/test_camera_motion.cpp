@@ -14,23 +14,11 @@
 namespace facetloc {
 
 using namespace internal;
-using test::endlessCorridor, test::largeRoom, test::lookingAlong, test::PoseNear, test::viewFrom;
+using test::alongCorridor, test::corridorWithNiches, test::endlessCorridor, test::largeRoom,
+    test::lookingAlong, test::PoseNear, test::viewFrom;
 namespace {
 
-constexpr double kDoorDistance = 1.8;  // [m]
-
-/** A corridor with the same niche on both sides every 1.8 m. */
-test::Scene corridorWithNiches() {
-  test::Scene scene = endlessCorridor();
-  for (int k = -20; k <= 20; ++k) {
-    const double y = kDoorDistance * k;
-    scene =
-        scene + test::box({-0.9, y, 0}, {-0.75, y + 0.9, 2.4}) + test::box({0.75, y, 0}, {0.9, y + 0.9, 2.4});
-  }
-  return scene;
-}
-
-Eigen::Isometry3d alongCorridor(double y) { return lookingAlong({0, y, 1.2}, {0.03, 1, -0.2}); }
+constexpr double kDoorDistance = 1.8;  // distance of the niches [m]
 
 std::shared_ptr<const View> shared(View view) { return std::make_shared<const View>(std::move(view)); }
 

@@ -27,11 +27,7 @@ ViewOdometry odometry() {
 }
 
 /** Around the middle of the room: 0.4 m/s and 30 deg/s. */
-Eigen::Isometry3d onCircle(int i) {
-  const double a = 2 * kDegree * i;
-  return lookingAlong({3 + 0.75 * std::cos(a), 2.5 + 0.75 * std::sin(a), 1.2},
-                      {std::cos(a), std::sin(a), -0.25});
-}
+Eigen::Isometry3d onCircle(int i) { return test::onCircle(2 * i, 0.75, 1.2, 0.25); }
 
 TEST(ViewOdometry, FollowsTheCameraWithoutAMap) {
   ViewOdometry camera = odometry();
@@ -115,9 +111,7 @@ double varianceOfPosition(int views, double degrees) {
   ViewOdometry camera = odometry();
   double sum = 0;
   for (int i = 0; i <= views; ++i) {
-    const double a = degrees * kDegree * i / views;
-    const Eigen::Isometry3d T = lookingAlong({3 + 0.75 * std::cos(a), 2.5 + 0.75 * std::sin(a), 1.2},
-                                             {std::cos(a), std::sin(a), -0.25});
+    const Eigen::Isometry3d T = test::onCircle(degrees * i / views, 0.75, 1.2, 0.25);
     const ViewMotion motion = camera.add(viewFrom(largeRoom(), T, 50 + i), kStep);
     EXPECT_FALSE(motion.broken) << i;
     if (i > 0) sum += motion.T_a_b.P.bottomRightCorner<3, 3>().trace();

@@ -3,7 +3,6 @@
 
 #include <facetloc/testing/disparity_images.h>
 
-#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,16 +38,6 @@ std::vector<Eigen::Vector3d> pixelsOf(const DisparityImage& image, std::size_t c
     for (int u = left; u < std::min(left + kSmallestCell, w); ++u)
       if (const float d = image.d[static_cast<std::size_t>(v) * w + u]; d > 0) pixels.emplace_back(u, v, d);
   return pixels;
-}
-
-double sseByLeastSquares(const std::vector<Eigen::Vector3d>& pixels) {
-  Eigen::MatrixX3d A(pixels.size(), 3);
-  Eigen::VectorXd d(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    A.row(static_cast<int>(i)) << pixels[i].x(), pixels[i].y(), 1;
-    d[static_cast<int>(i)] = pixels[i].z();
-  }
-  return (A * A.colPivHouseholderQr().solve(d) - d).squaredNorm();
 }
 
 // Images of sizes that are no multiples of a cell, with holes and without.
@@ -99,7 +88,7 @@ TEST(CellMoments, SquaredResidualsAreThoseOfLeastSquares) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const std::vector<Eigen::Vector3d> pixels = pixelsOf(image, i);
       if (pixels.size() < 12) continue;  // fewer may lie on a line
-      const double sse = sseByLeastSquares(pixels);
+      const double sse = test::squaredResiduals(pixels);
       EXPECT_NEAR(cells[i].sse, sse, 1e-4 * (1 + sse));
       ++checked;
     }

@@ -3,7 +3,6 @@
 
 #include <facetloc/testing/disparity_images.h>
 
-#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,17 +22,6 @@ struct Merged {
   DepthTriangulation split;
   RegionMerging merging;
 };
-
-// Sum of squared residuals of pixels (u, v, d) about their own plane, by dense least squares.
-double sseOf(const std::vector<Eigen::Vector3d>& pixels) {
-  Eigen::MatrixX3d A(pixels.size(), 3);
-  Eigen::VectorXd b(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    A.row(static_cast<int>(i)) << pixels[i].x(), pixels[i].y(), 1;
-    b[static_cast<int>(i)] = pixels[i].z();
-  }
-  return (A * A.colPivHouseholderQr().solve(b) - b).squaredNorm();
-}
 
 PlaneMoments momentsOf(const std::vector<Eigen::Vector3d>& pixels) {
   PlaneMoments m;
@@ -58,7 +46,8 @@ TEST(RegionMerging, CostIsTheLargerOfResidualAndDisplacement) {
     const auto a = randomRegion(rng, 10 + i), b = randomRegion(rng, 200 - i);
     auto both = a;
     both.insert(both.end(), b.begin(), b.end());
-    const double sse_a = sseOf(a), sse_b = sseOf(b), sse = sseOf(both), rms = std::sqrt(sse / both.size());
+    const double sse_a = test::squaredResiduals(a), sse_b = test::squaredResiduals(b),
+                 sse = test::squaredResiduals(both), rms = std::sqrt(sse / both.size());
     const double displacement = std::sqrt((sse - sse_a - sse_b) / std::min(a.size(), b.size()));
     const double cost = RegionMerging::cost(momentsOf(a), sse_a, momentsOf(b), sse_b);
     EXPECT_NEAR(cost, std::max(rms, displacement), 1e-5 * (1 + cost));

@@ -96,13 +96,8 @@ TEST(ViewBuilder, AKnownDistortionIsTakenOut) {
     values[i] = (i % DepthDistortion::kColumns - 4) / kKinectGain;
   const DepthImage truth = roomImage();
   const DepthDistortion distortion(DepthDistortion::extentOf(truth.camera), values);
-  DepthImage measured = truth;
-  for (int v = 0; v < truth.camera.height; ++v)
-    for (int u = 0; u < truth.camera.width; ++u) {
-      float& z = measured.depth[static_cast<std::size_t>(v) * truth.camera.width + u];
-      if (isMeasured(z))
-        z = static_cast<float>(1 / (1 / z + distortion.at(truth.camera.ray(u, v).head<2>())));
-    }
+  const DepthImage measured = test::changedDepth(
+      truth, [&](float z, const Eigen::Vector3d& ray) { return 1 / (1 / z + distortion.at(ray.head<2>())); });
   Camera camera;
   camera.distortion = distortion;
   const View expected = ViewBuilder().build(truth), found = ViewBuilder(camera).build(measured),

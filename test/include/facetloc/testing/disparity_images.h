@@ -6,7 +6,10 @@
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
+#include <Eigen/Dense>
+
 #include <cmath>
+#include <vector>
 
 namespace facetloc::test {
 
@@ -39,6 +42,17 @@ inline DisparityImage roomDisparity(const Intrinsics& camera, unsigned seed, dou
   for (float& d : image.d)
     if (d > 0) d = static_cast<float>(std::round((d + noise * gaussian<1>(rng)[0]) * 1024) / 1024);
   return image;
+}
+
+/** \brief Sum of the squared residuals of pixels (u, v, d) about their own plane, by dense least squares. */
+inline double squaredResiduals(const std::vector<Eigen::Vector3d>& pixels) {
+  Eigen::MatrixX3d A(pixels.size(), 3);
+  Eigen::VectorXd d(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    A.row(static_cast<int>(i)) << pixels[i].x(), pixels[i].y(), 1;
+    d[static_cast<int>(i)] = pixels[i].z();
+  }
+  return (A * A.colPivHouseholderQr().solve(d) - d).squaredNorm();
 }
 
 }  // namespace facetloc::test

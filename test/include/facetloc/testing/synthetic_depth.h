@@ -38,6 +38,17 @@ struct Rendering {
 Rendering render(const Scene& scene, const Intrinsics& camera,
                  const Eigen::Isometry3d& T_w_c = Eigen::Isometry3d::Identity(), double farthest = 20);
 
+/** \brief The image with other measured depths. \param change returns one by (depth, ray with z = 1) */
+template <class Change>
+DepthImage changedDepth(DepthImage image, const Change& change) {
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      float& z = image.depth[static_cast<std::size_t>(v) * image.camera.width + u];
+      if (isMeasured(z)) z = static_cast<float>(change(z, image.camera.ray(u, v)));
+    }
+  return image;
+}
+
 /** \brief The image with white noise [1/m] on its inverse depth. */
 DepthImage noisy(DepthImage image, double inverse_depth_std, unsigned seed);
 

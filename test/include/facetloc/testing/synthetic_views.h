@@ -42,4 +42,24 @@ inline Scene largeRoom() {
          box({0, 0.9, 0}, {0.7, 1.7, 0.5});
 }
 
+/** \brief On a circle about the middle of the large room, looking outwards and down. */
+inline Eigen::Isometry3d onCircle(double degrees, double radius, double height = 1.2, double down = 0.4) {
+  const double a = degrees * kDegree;
+  return lookingAlong({3 + radius * std::cos(a), 2.5 + radius * std::sin(a), height},
+                      {std::cos(a), std::sin(a), -down});
+}
+
+/** \brief An endless corridor with the same niche on both sides every 1.8 m. */
+inline Scene corridorWithNiches() {
+  Scene scene = endlessCorridor();
+  for (int k = -20; k <= 20; ++k) {
+    const double y = 1.8 * k;
+    scene = scene + box({-0.9, y, 0}, {-0.75, y + 0.9, 2.4}) + box({0.75, y, 0}, {0.9, y + 0.9, 2.4});
+  }
+  return scene;
+}
+
+/** \brief A camera in the middle of that corridor. */
+inline Eigen::Isometry3d alongCorridor(double y) { return lookingAlong({0, y, 1.2}, {0.03, 1, -0.2}); }
+
 }  // namespace facetloc::test
