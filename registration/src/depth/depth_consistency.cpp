@@ -5,7 +5,6 @@
 #include "depth/depth_difference.h"
 
 #include <algorithm>
-#include <vector>
 
 namespace facetloc::internal {
 namespace {
@@ -165,6 +164,16 @@ DepthAgreement DepthComparison::countBoth(const DepthPicture& a, const DepthPict
                                           const Eigen::Isometry3d& T_b_a, int columns) const {
   DepthAgreement sum = count(a, b, T_b_a, columns);
   return sum += count(b, a, T_b_a.inverse(), columns);
+}
+
+int DepthComparison::pixelsInReach(const DepthPicture& picture, int columns) const {
+  const int step = gridStep(picture, columns);
+  const auto least = static_cast<int>(farthest() / DepthPicture::kQuantum);
+  int n = 0;
+  for (int v = step / 2; v < picture.camera.height; v += step)
+    for (int u = step / 2; u < picture.camera.width; u += step)
+      n += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] > least;
+  return n;
 }
 
 DepthComparator::DepthComparator(const DepthComparison& comparison, const DepthPicture& a,

@@ -74,6 +74,8 @@ public:
     return {factor * noise.inverse_depth_std, calibration_.relative_error + factor * noise.depth_std_slope,
             factor * noise.depth_std, calibration_.gate};
   }
+  /** \brief Number of the pixels of a grid that are near enough to be compared. */
+  int pixelsInReach(const DepthPicture& picture, int columns) const;
   double farthest() const { return 1 / calibration_.max_depth; }  ///< smallest inverse depth compared [1/m]
 
 private:

@@ -36,17 +36,6 @@ void dropFurniture(DepthEvidence& found) {
   for (DepthAgreement& of_model : found.of_models) of_model.occluded = 0;
 }
 
-// Up to where pixels are compared.
-int measuredPixels(const DepthPicture& picture, double farthest, int columns) {
-  const int step = gridStep(picture, columns);
-  const auto least = static_cast<int>(farthest / DepthPicture::kQuantum);
-  int n = 0;
-  for (int v = step / 2; v < picture.camera.height; v += step)
-    for (int u = step / 2; u < picture.camera.width; u += step)
-      n += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] > least;
-  return n;
-}
-
 // Weights of the pixels of local models, relative to those of the scene. Fixed surfaces do not move away:
 // free space through one contradicts a pose more, and objects may hide them anywhere.
 struct ModelWeights {
@@ -165,8 +154,7 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
   const int step = gridStep(scene.depth, kFineColumns);
   found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
   h.coverage = coverageOf(found, scene, h.pairs);
-  found.expected =
-      incomplete ? measuredPixels(scene.depth, comparison.farthest(), kFineColumns) : found.of_scene.judged();
+  found.expected = incomplete ? comparison.pixelsInReach(scene.depth, kFineColumns) : found.of_scene.judged();
   return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence,
                  weightsOf(surfaces_));
 }

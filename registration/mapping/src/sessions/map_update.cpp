@@ -269,14 +269,8 @@ private:
           std::isfinite(viewDistance(*map_.models[m].T_w_m, image.T_w_c, kKnownReach)))
         others.push_back({&map_.view(static_cast<int>(m))->depth, *map_.models[m].T_w_m});
     const DepthPicture& picture = image.view->depth;
-    const int step = gridStep(picture, kFineColumns);
-    const double farthest = comparison_.farthest() / DepthPicture::kQuantum;
-    int pixels = 0;
-    for (int v = step / 2; v < picture.camera.height; v += step)
-      for (int u = step / 2; u < picture.camera.width; u += step)
-        pixels += picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u] >= farthest;
     const DepthAgreement seen = compareWithAll(picture, image.T_w_c, others, comparison_, kFineColumns);
-    return !others.empty() && seen.agree >= share * pixels;
+    return !others.empty() && seen.agree >= share * comparison_.pixelsInReach(picture, kFineColumns);
   }
 
   LocalModel modelOf(std::size_t i) {
