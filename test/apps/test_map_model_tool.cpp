@@ -66,6 +66,18 @@ TEST_F(Tools, ModelWithoutAClearUpwardDirectionAsksForIt) {
   EXPECT_THAT(closed.out + closed.err, Not(HasSubstr("--up")));
 }
 
+TEST_F(Tools, ModelOfItsKindsConventionIsNotContradicted) {
+  const fs::path model(folder_ / "room.obj");
+  writeRoom(model, 1);
+  const auto saidOf = [&](const std::string& up) {
+    const auto made = runMap({"from-model", model.string(), "-o", folder_ / "kind.flmap", "--overwrite",
+                              "--up=" + up, "--spacing", "3", "--turn_deg", "60"});
+    return made.out + made.err;
+  };
+  EXPECT_THAT(saidOf("y"), Not(HasSubstr("its floors do not face")));
+  EXPECT_THAT(saidOf("auto"), HasSubstr("the upward direction is y\n"));
+}
+
 TEST_F(Tools, ModelInAnotherUnitIsRemarked) {
   const fs::path model(folder_ / "room.obj");
   const fs::path viewpoints(folder_ / "poses.txt");  // one, so that nothing large is searched

@@ -151,6 +151,93 @@ TEST(SurfaceOrientation, DoesNotDependOnUnitsOrThreads) {
   }
 }
 
+/** A room with walls of 0.2 m around it, from the origin. */
+BoxMesh shell(const Eigen::Vector3f& size, bool ceiling) {
+  const float w = 0.2f, x = size.x(), y = size.y(), z = size.z();
+  BoxMesh mesh;
+  mesh.add({-w, -w, -w}, {x + w, y + w, 0});
+  if (ceiling) mesh.add({-w, -w, z}, {x + w, y + w, z + w});
+  return mesh.add({-w, -w, 0}, {x + w, 0, z})
+      .add({-w, y, 0}, {x + w, y + w, z})
+      .add({-w, 0, 0}, {0, y, z})
+      .add({x, 0, 0}, {x + w, y, z});
+}
+
+/** A narrow room whose furniture hides most of its floor, so that a wall is the largest plane. */
+BoxMesh furnishedRoom(bool ceiling) {
+  return shell({6, 3, 2.6f}, ceiling)
+      .add({0, 0, 0}, {2, 1.6f, 0.5f})
+      .add({2.3f, 0, 0}, {4.5f, 0.9f, 0.45f})
+      .add({2.5f, 1.3f, 0.4f}, {3.7f, 1.9f, 0.45f})
+      .add({4.8f, 0, 0.7f}, {6, 0.7f, 0.75f})
+      .add({3, 2.6f, 0}, {5, 3, 0.8f})
+      .add({0, 2.4f, 0}, {1.2f, 3, 0.9f})
+      .add({4.3f, 1.2f, 0.7f}, {5.7f, 2.1f, 0.75f})
+      .add({4.6f, 0.9f, 0}, {5, 1.2f, 0.9f});
+}
+
+/** A room under a roof that rises from 1.2 to 3.2 m. */
+pcl::PolygonMesh attic() {
+  constexpr float w = 0.2f;
+  BoxMesh mesh;
+  mesh.add({-w, -w, -w}, {5 + w, 4 + w, 0}).add({-w, -w, 0}, {5 + w, 0, 3.2f});
+  mesh.add({-w, 4, 0}, {5 + w, 4 + w, 3.2f}).add({-w, 0, 0}, {0, 4, 1.2f}).add({5, 0, 0}, {5 + w, 4, 3.2f});
+  mesh.add({0.2f, 0.2f, 0}, {2, 1.6f, 0.5f}).add({3, 3.4f, 0}, {4.4f, 4, 0.75f});
+  mesh.add({3, 0, 0.7f}, {4.2f, 0.6f, 0.75f}).add({0, 0, 3.2f}, {5, 4, 3.2f + w});
+  pcl::PolygonMesh room = mesh.mesh();
+  pcl::PointCloud<pcl::PointXYZ> points;
+  pcl::fromPCLPointCloud2(room.cloud, points);
+  for (std::size_t i = points.size() - 8; i < points.size(); ++i)  // the last box becomes the roof
+    if (points[i].x == 0) points[i].z -= 2;
+  pcl::toPCLPointCloud2(points, room.cloud);
+  return room;
+}
+
+/** The same with the y axis up, as in the files of phones. */
+pcl::PolygonMesh withYUp(const pcl::PolygonMesh& mesh) {
+  Eigen::Matrix3d R;
+  R << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  return transformed(mesh, R);
+}
+
+TEST(SurfaceOrientation, OfARoomWithALargeWallIsByAllThatIsSeen) {
+  for (const auto& [room, name] : {std::pair{furnishedRoom(true).mesh(), "furnished"},
+                                   {furnishedRoom(false).mesh(), "furnished, open"},
+                                   {attic(), "under a roof"},
+                                   {shell({20, 1.5f, 2.6f}, true).mesh(), "corridor"},
+                                   {shell({20, 1.5f, 2.6f}, false).mesh(), "corridor, open"}})
+    for (const bool is_y_up : {false, true}) {
+      SurfaceOrientation found = orientationOfMesh(is_y_up ? withYUp(room) : room);
+      const Eigen::Vector3d up = Eigen::Vector3d::Unit(is_y_up ? 1 : 2);
+      EXPECT_EQ(Verdict::plausible, found.judge(up).verdict) << name << is_y_up;
+      found.usual = up;
+      ASSERT_TRUE(found.up()) << name << is_y_up;
+      EXPECT_LT(angleBetween(*found.up(), up), 0.5) << name << is_y_up;
+      EXPECT_EQ(Verdict::plausible, found.judge(up).verdict) << name << is_y_up;
+      found.usual = Eigen::Vector3d::Unit(is_y_up ? 2 : 1);  // a file against the convention
+      EXPECT_EQ(Verdict::plausible, found.judge(up).verdict) << name << is_y_up;
+    }
+}
+
+TEST(SurfaceOrientation, OfABareCorridorIsAskedFor) {
+  const pcl::PolygonMesh corridor = shell({30, 2.4f, 3.6f}, true).mesh();  // a wall half again the floor
+  for (const bool is_y_up : {false, true}) {
+    SurfaceOrientation found = orientationOfMesh(is_y_up ? withYUp(corridor) : corridor);
+    const Eigen::Vector3d up = Eigen::Vector3d::Unit(is_y_up ? 1 : 2);
+    found.usual = up;
+    EXPECT_FALSE(found.up());
+    EXPECT_EQ(2u, found.candidates().size());
+    EXPECT_EQ(Verdict::plausible, found.judge(up).verdict);
+  }
+}
+
+TEST(SurfaceOrientation, IsNotDecidedByTheFilesConventionAlone) {
+  SurfaceOrientation cube = orientationOfMesh(BoxMesh().add({0, 0, 0}, {3, 3, 3}).mesh());
+  cube.usual = Eigen::Vector3d::UnitY();
+  EXPECT_FALSE(cube.up());
+  EXPECT_EQ(Verdict::plausible, cube.judge(Eigen::Vector3d::UnitZ()).verdict);
+}
+
 TEST(SurfaceOrientation, OfACubeIsUnknown) {
   const SurfaceOrientation found = orientationOfMesh(BoxMesh().add({0, 0, 0}, {3, 3, 3}).mesh());
   EXPECT_EQ(3u, found.candidates().size());

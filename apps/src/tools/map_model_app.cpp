@@ -171,6 +171,7 @@ private:
     }
     ModelMap making(surface, camera, params, view_);
     making.setNumberOfThreads(threads());
+    making.setUsualUp(usualUp(model_));
     if (const auto up = directionOf(up_))
       making.setUp(*up);
     else

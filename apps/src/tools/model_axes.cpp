@@ -73,6 +73,11 @@ std::optional<Eigen::Vector3d> directionOf(const std::string& words) {
   return direction->normalized();
 }
 
+Eigen::Vector3d usualUp(const std::filesystem::path& model) {
+  return text::lower(model.extension().string()) == ".obj" ? Eigen::Vector3d::UnitY()
+                                                           : Eigen::Vector3d::UnitZ();
+}
+
 Eigen::Vector3d placeOf(const std::string& words) {
   const auto place = threeNumbers(words);
   if (!place) throw UsageError("inside: '" + words + "' is not of the form x,y,z in metres");

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -16,6 +17,9 @@ double metresPer(const std::string& unit);
 
 /** \brief "z", "-y", or three numbers; none for "auto". Throws UsageError for anything else. */
 std::optional<Eigen::Vector3d> directionOf(const std::string& words);
+
+/** \brief The upward direction by the convention of a model's kind: y in an .obj file, z in all others. */
+Eigen::Vector3d usualUp(const std::filesystem::path& model);
 
 /** \brief "1,2.5,0". Throws UsageError for anything else. */
 Eigen::Vector3d placeOf(const std::string& words);

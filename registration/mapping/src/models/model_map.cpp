@@ -42,6 +42,7 @@ struct ModelMap::Impl {
   ViewParams view;
   std::optional<std::vector<Eigen::Isometry3d>> viewpoints;
   std::optional<Eigen::Vector3d> up = Eigen::Vector3d::UnitZ();  // none = the surface's own
+  std::optional<Eigen::Vector3d> usual_up;
   int width = kWorkingWidth;
   std::optional<SurfaceOrientation> orientation;
   ModelFindings findings;
@@ -55,7 +56,10 @@ struct ModelMap::Impl {
 };
 
 const SurfaceOrientation& ModelMap::Impl::surfaceOrientation() {
-  if (!orientation) orientation = orientationOf(*given.surface, given.threads);
+  if (!orientation) {
+    orientation = orientationOf(*given.surface, given.threads);
+    orientation->usual = usual_up;
+  }
   return *orientation;
 }
 
@@ -155,6 +159,8 @@ void ModelMap::setUp(const Eigen::Vector3d& up) {
   impl_->up = up.normalized();
 }
 void ModelMap::setUpBySurface() { impl_->up.reset(); }
+
+void ModelMap::setUsualUp(const Eigen::Vector3d& up) { impl_->usual_up = up; }
 const SurfaceOrientation& ModelMap::orientation() { return impl_->surfaceOrientation(); }
 void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->given.inside = std::move(places); }
 void ModelMap::setHeights(std::vector<double> heights) { impl_->given.heights = std::move(heights); }

@@ -162,7 +162,14 @@ constexpr double kCeilingless = 2;  // times as much floor as ceiling
 constexpr double kFurnished = 2.5;  // times as much on floors as under ceilings
 constexpr double kLeastFurniture = 0.006;  // least share of the visible surface for a sign
 constexpr double kOff = 1e-3;              // distance from a surface that is looked from, of a room's height
-constexpr double kClear = 1.5;             // times as much support as another axis
+// Evidence for an axis [nats].
+constexpr double kPerSize = 3;          // factor on the logarithm of a size
+constexpr double kOneSided = 2;         // one side lacks planes, as scans lack ceilings
+constexpr double kSquare = 3;           // surface that is nowhere oblique
+constexpr double kFewThings = 0.003;    // share of the visible surface that makes a ratio of furniture count
+const double kUsual = std::log(3.0);    // convention of the file's kind
+const double kDecided = std::log(4.0);  // lead that decides
+const double kOverwhelming = std::log(20.0);  // lead that contradicts a named direction
 
 using Samples = std::vector<SurfaceSample>;
 
@@ -285,30 +292,64 @@ double furnitureOn(const Surface& surface, const Levels& floors, const Eigen::Ve
   return weight;
 }
 
-/** 1 if a direction is upwards, -1 if downwards: by the ceiling that an open surface lacks, or else by
- * furniture on floors. */
-int signOf(const Surface& surface, const Eigen::Vector3d& axis, const Levels& along, const Levels& against,
-           double room) {
-  if (along.total() > kCeilingless * against.total()) return 1;
-  if (against.total() > kCeilingless * along.total()) return -1;
-  if (room == 0) return 0;
-  const double a = furnitureOn(surface, along, axis, room), b = furnitureOn(surface, against, -axis, room);
-  if (a + b < kLeastFurniture) return 0;
-  return (a > kFurnished * b) - (b > kFurnished * a);
+/** Lack of a ceiling: 1 if a direction is upwards, -1 if downwards, 0 if neither side is missing. */
+int openSide(const Levels& along, const Levels& against) {
+  return (along.total() > kCeilingless * against.total()) - (against.total() > kCeilingless * along.total());
 }
 
-/** Drops axes along which no person can stand, such as those across a corridor, if others allow it. */
-void dropLow(std::vector<SurfaceAxis>& axes) {
-  constexpr double kLowest = 1.8, kHighest = 20;  // heights of rooms [m]; if all are lower, the unit is wrong
-  const bool has_rooms = std::any_of(axes.begin(), axes.end(), [&axes](const SurfaceAxis& axis) {
-    return axis.clear_height >= kLowest && axis.clear_height <= kHighest &&
-           4 * axis.support >= axes.front().support;
-  });
-  if (!has_rooms) return;
-  const auto isLow = [](const SurfaceAxis& axis) {
-    return axis.clear_height > 0 && axis.clear_height < kLowest;
-  };
-  axes.erase(std::remove_if(axes.begin(), axes.end(), isLow), axes.end());
+/** 1 if a direction is upwards, -1 if downwards: by the weight of furniture on floors, of which enough is
+ * seen. */
+int furnishedSide(double on_floors, double on_ceilings) {
+  if (on_floors + on_ceilings < kLeastFurniture) return 0;
+  return (on_floors > kFurnished * on_ceilings) - (on_ceilings > kFurnished * on_floors);
+}
+
+/** Evidence of a height: people stand in rooms, of which most are 2 to 4 m high [nats]. */
+double heightEvidence(double height) {
+  constexpr double kLow = 2, kHigh = 4;                                      // [m]
+  constexpr double kPerLow = 20, kMostLow = 6, kPerHigh = 1, kMostHigh = 1;  // [nats]
+  if (height < kLow) return height > 0 ? -std::min(kMostLow, kPerLow * std::log(kLow / height)) : -kMostLow;
+  return height > kHigh ? -std::min(kMostHigh, kPerHigh * std::log(height / kHigh)) : 0;
+}
+
+double extentAlong(const Samples& samples, const Eigen::Vector3d& axis) {
+  const Eigen::Vector3f a = axis.cast<float>();
+  const auto [low, high] = std::minmax_element(
+      samples.begin(), samples.end(),
+      [&a](const SurfaceSample& s, const SurfaceSample& t) { return s.point.dot(a) < t.point.dot(a); });
+  return (high->point - low->point).dot(a);
+}
+
+/** Evidence of the size of planes [nats]. A floor is large as its largest level, and in total with the tops
+ * of furniture. */
+double sizeEvidence(double largest, double total) { return kPerSize * std::log(std::sqrt(largest * total)); }
+
+/** Share of the surface that is across an axis or along it, as floors and walls are; a roof is oblique. */
+double squareShare(const Samples& samples, const Eigen::Vector3d& axis) {
+  const Eigen::Vector3f a = axis.cast<float>();
+  double share = 0;
+  for (const SurfaceSample& sample : samples) {
+    const double cosine = std::abs(sample.normal.dot(a));
+    if (cosine >= std::cos(kParallel) || cosine <= std::sin(kParallel)) share += sample.weight;
+  }
+  return share;
+}
+
+SurfaceAxis axisAlong(const Surface& surface, const SurfaceSamples& seen, const Eigen::Vector3d& direction) {
+  const double thickness = kLevel * seen.distance;
+  const Levels along(seen.samples, direction, thickness), against(seen.samples, -direction, thickness);
+  SurfaceAxis axis{direction, std::max(along.largest(), against.largest()), 0, 0, 0};
+  axis.clear_height = clearHeight(surface, seen, direction);
+  const double height = axis.clear_height > 0 ? axis.clear_height : extentAlong(seen.samples, direction);
+  const double on_floors = furnitureOn(surface, along, direction, height),
+               on_ceilings = furnitureOn(surface, against, -direction, height);
+  const int open = openSide(along, against);
+  axis.upwards = open != 0 || axis.clear_height == 0 ? open : furnishedSide(on_floors, on_ceilings);
+  const double furniture = std::log((on_floors + kFewThings) / (on_ceilings + kFewThings));
+  axis.evidence = sizeEvidence(axis.support, std::max(along.total(), against.total())) +
+                  heightEvidence(height) + kSquare * squareShare(seen.samples, direction) +
+                  kOneSided * std::abs(open) + (open != 0 ? open * furniture : std::abs(furniture));
+  return axis;
 }
 
 /** Direction along an axis that files mean by up. */
@@ -324,10 +365,21 @@ Eigen::Vector3d upwardsAlong(const SurfaceAxis& axis) {
 
 }  // namespace
 
+double SurfaceOrientation::evidenceFor(const SurfaceAxis& axis) const {
+  const bool is_usual = usual && upwardsAlong(axis).dot(*usual) >= std::cos(kSameAxis);
+  return axis.evidence + (is_usual ? kUsual : 0);
+}
+
+const SurfaceAxis& SurfaceOrientation::best() const {
+  return *std::max_element(axes.begin(), axes.end(), [this](const SurfaceAxis& a, const SurfaceAxis& b) {
+    return evidenceFor(a) < evidenceFor(b);
+  });
+}
+
 std::vector<Eigen::Vector3d> SurfaceOrientation::candidates() const {
   std::vector<Eigen::Vector3d> found;
   for (const SurfaceAxis& axis : axes)
-    if (kClear * axis.support >= axes.front().support) found.push_back(upwardsAlong(axis));
+    if (evidenceFor(axis) + kDecided >= evidenceFor(best())) found.push_back(upwardsAlong(axis));
   return found;
 }
 
@@ -342,12 +394,14 @@ SurfaceOrientation::Judgement SurfaceOrientation::judge(const Eigen::Vector3d& u
   const auto named = std::find_if(axes.begin(), axes.end(), [&](const SurfaceAxis& axis) {
     return isAlong(axis.direction, up, kSameAxis);
   });
-  if (named == axes.end() || kClear * named->support < axes.front().support)
-    return {Verdict::other_axis, upwardsAlong(axes.front()), axes.front().clear_height};
+  const double evidence = named == axes.end() ? sizeEvidence(kLeastShare, kLeastShare) : evidenceFor(*named);
+  if (evidence + kOverwhelming < evidenceFor(best()))
+    return {Verdict::other_axis, upwardsAlong(best()), best().clear_height};
+  if (named == axes.end()) return judgement;
   const double sign = named->direction.dot(up) < 0 ? -1 : 1;
   judgement.clear_height = named->clear_height;
   judgement.better = sign * named->direction;
-  if (sign * named->upwards < 0) {
+  if (sign * named->upwards < 0 && &*named == &best()) {
     judgement.verdict = Verdict::upside_down;
     judgement.better *= -1;
   } else if (!isAlong(named->direction, up, kInclined)) {
@@ -361,16 +415,10 @@ SurfaceOrientation::Judgement SurfaceOrientation::judge(const Eigen::Vector3d& u
 SurfaceOrientation orientationOf(const Surface& surface, int threads) {
   SurfaceOrientation found;
   const SurfaceSamples seen = samplesFromInside(surface, threads);
-  for (const Eigen::Vector3d& direction : axesOf(seen.samples)) {
-    const double thickness = kLevel * seen.distance;
-    const Levels along(seen.samples, direction, thickness), against(seen.samples, -direction, thickness);
-    const double room = clearHeight(surface, seen, direction);
-    found.axes.push_back({direction, std::max(along.largest(), against.largest()),
-                          signOf(surface, direction, along, against, room), room});
-  }
+  for (const Eigen::Vector3d& direction : axesOf(seen.samples))
+    found.axes.push_back(axisAlong(surface, seen, direction));
   std::stable_sort(found.axes.begin(), found.axes.end(),
-                   [](const SurfaceAxis& a, const SurfaceAxis& b) { return a.support > b.support; });
-  dropLow(found.axes);
+                   [](const SurfaceAxis& a, const SurfaceAxis& b) { return a.evidence > b.evidence; });
   return found;
 }
 

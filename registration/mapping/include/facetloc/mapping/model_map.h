@@ -89,6 +89,8 @@ public:
   void setUp(const Eigen::Vector3d& up);
   /** \brief Takes the upward direction from the surface itself, as orientationOf() finds it. */
   void setUpBySurface();
+  /** \brief The upward direction by convention, which orientation() takes into account. */
+  void setUsualUp(const Eigen::Vector3d& up);
   /** \brief Which way is up, as the surface itself shows it; measured at the first call. */
   const SurfaceOrientation& orientation();
   /** \brief Places in the frame of the surface: viewpoints are looked for in the areas that hold one of them.

@@ -46,30 +46,35 @@ struct SurfaceAxis {
   int upwards = 0;
   /** Median free distance along the direction [m]; 0 where it has no end in half of the surface. */
   double clear_height = 0;
+  /** Logarithmic odds of being upright [nats]; only differences between axes count. */
+  double evidence = 0;
 };
 
 /** \brief The upward direction of a surface and the height of its rooms, as visible from inside.
  *
- * Floors and ceilings are larger planes than walls. Furniture stands on floors: more of its surfaces face
- * upwards, and scans lack ceilings rather than floors (METHOD 3.4). */
+ * Floors and ceilings are larger planes than most walls, and 2 to 4 m apart. Furniture stands on floors: more
+ * of its surfaces face upwards, and scans lack ceilings rather than floors (METHOD 3.4). */
 struct SurfaceOrientation {
-  std::vector<SurfaceAxis> axes;  ///< the best supported first; empty if the surface has no planes
+  std::vector<SurfaceAxis> axes;  ///< the one with most evidence first; empty if the surface has no planes
+  /** Upward direction by convention, such as the y axis of an OBJ file: odds of 3, too few to decide alone.
+   */
+  std::optional<Eigen::Vector3d> usual;
 
-  /** \brief The directions that may be upwards, the best supported first: of each axis that none is supported
-   * much better than, the upward one. Of an axis whose two directions nothing distinguishes, the one nearer
-   * to the frame's z, then y axis. */
+  /** \brief The directions that may be upwards: of each axis against which no other has odds of 4, the upward
+   * one. Of an axis whose two directions nothing distinguishes, the one nearer to the frame's z, then y
+   * axis. */
   std::vector<Eigen::Vector3d> candidates() const;
   /** \brief The upward direction; empty unless there is exactly one candidate. */
   std::optional<Eigen::Vector3d> up() const;
   /** \brief Does the surface distinguish up() from its opposite? */
-  bool isSignKnown() const { return !axes.empty() && axes.front().upwards != 0; }
+  bool isSignKnown() const { return !axes.empty() && best().upwards != 0; }
 
   /** \brief The evidence of the surface about a supposed upward direction. */
   enum class Verdict {
     plausible,    ///< or unknown
     inclined,     ///< floors are level only in a direction 2 to 15 deg from it
-    upside_down,  ///< the opposite is upwards
-    other_axis    ///< another axis is supported much better
+    upside_down,  ///< the opposite is upwards, along the axis with most evidence
+    other_axis    ///< another axis has odds of 20
   };
   struct Judgement {
     Verdict verdict = Verdict::plausible;
@@ -78,6 +83,10 @@ struct SurfaceOrientation {
   };
   /** \param up unit vector */
   Judgement judge(const Eigen::Vector3d& up) const;
+
+private:
+  double evidenceFor(const SurfaceAxis& axis) const;
+  const SurfaceAxis& best() const;
 };
 
 /** \brief Looks around from places inside the bounds of a surface. Same result for any number of threads.
