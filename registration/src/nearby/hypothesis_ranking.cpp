@@ -130,7 +130,8 @@ void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypothe
   if (evidence) score(hypotheses);
   if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses, known.refined);
   if (evidence && evidenceWeight() != 1) {
-    for (Hypothesis& h : hypotheses) h.score = h.consensus + evidenceWeight() * h.evidence;
+    for (Hypothesis& h : hypotheses)
+      h.score = std::max(h.consensus + evidenceWeight() * h.evidence, scoreByPixels(scene, h));
     sortByScore(hypotheses);
   }
   const ScoreOdds found = odds(evidence, hypotheses);

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -133,6 +134,11 @@ protected:
   virtual int viewpoints(const std::vector<int>& models) const = 0;
   /** \brief Weight of the evidence beside the consensus. */
   virtual double evidenceWeight() const = 0;
+  /** \brief Score by pixels alone; it counts where it is the higher one [nats]. */
+  virtual double scoreByPixels(const View& scene, const Hypothesis& h) const {
+    static_cast<void>(scene), static_cast<void>(h);
+    return -std::numeric_limits<double>::infinity();
+  }
   /** \brief Odds of the scores of a sorted list. */
   virtual ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const = 0;
 

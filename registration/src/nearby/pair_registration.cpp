@@ -10,6 +10,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -22,12 +23,14 @@ namespace {
 
 constexpr double kDoubtOfCoarse = 10;                  // against poses that planes alone do not fix [nats]
 constexpr double kLeastAgreeing = 0.5;                 // share of the depth pixels that are compared
+constexpr double kPriorPixels = 2;                     // added to counts of pixels
+constexpr double kLeastOverlap = 0.02;                 // added to the share of pixels in common
 constexpr double kGate = chiSquareQuantile(6, 0.999);  // gate of the prior
 
 /** The only view near a hypothesis is the target, whose camera frame is the world. */
 class PairRanking : public HypothesisRanking {
 public:
-  /** \param doubt log odds in favour of the null hypothesis [nats] */
+  /** \param doubt that the score of planes has to overcome beyond the null score [nats] */
   PairRanking(std::shared_ptr<const View> target, const RegistrationParams& params, double doubt)
       : HypothesisRanking(params), target_(std::move(target)), params_(params), doubt_(doubt) {}
 
@@ -45,6 +48,24 @@ private:
     ScoreOdds odds = oddsOfPair(params_, evidence);
     odds.null_score += doubt_;
     return odds;
+  }
+  // Wrong poses explain planes by chance, but seldom all pixels that both views see (METHOD 10.6).
+  double scoreByPixels(const View& scene, const Hypothesis& h) const override {
+    const PairProbabilityCalibration& p = params_.calibration.pair_probability;
+    const DepthComparison& compared = refinedComparison();
+    const Eigen::Isometry3d& T = h.T_m_c.T;
+    const DepthAgreement seen = compared.count(scene.depth, target_->depth, T, kFineColumns),
+                         back = compared.count(target_->depth, scene.depth, T.inverse(), kFineColumns);
+    const auto share = [&](const DepthAgreement& a, const DepthPicture& of) {
+      return a.judged() / std::max(1.0, double(compared.pixelsInReach(of, kFineColumns)));
+    };
+    const double agree = std::min(seen.agree, back.agree),
+                 contradict = std::max(seen.contradict, back.contradict),
+                 overlap = std::min(share(seen, scene.depth), share(back, target_->depth));
+    const double log_odds =
+        p.agreement_weight * std::log((agree + kPriorPixels) / (contradict + kPriorPixels)) +
+        p.overlap_weight * std::log(overlap + kLeastOverlap) - p.pixels_null;
+    return p.null_score + doubt_ + log_odds / p.slope;
   }
 
   std::shared_ptr<const View> target_;
@@ -67,12 +88,12 @@ void check(const std::vector<SegmentPair>& pairs, const View& scene, const View&
 }  // namespace
 
 struct PairRegistration::Impl {
-  Impl(View the_target, const RegistrationParams& the_params)
+  Impl(View the_target, const RegistrationParams& the_params, double doubt)
       : target(std::make_shared<const View>(std::move(the_target))),
         params(checked(the_params)),
         registration(params),
-        ranking(target, params, 0),
-        coarse_ranking(target, params, kDoubtOfCoarse) {
+        ranking(target, params, doubt / params.calibration.pair_probability.slope),
+        coarse_ranking(target, params, kDoubtOfCoarse + doubt / params.calibration.pair_probability.slope) {
     if (target->camera) camera = *target->camera;
     if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
   }
@@ -114,8 +135,8 @@ struct PairRegistration::Impl {
   Matrix6d of_floor = Matrix6d::Zero();  // information of the floor about a pose
 };
 
-PairRegistration::PairRegistration(View target, const RegistrationParams& params)
-    : impl_(std::make_unique<Impl>(std::move(target), params)) {}
+PairRegistration::PairRegistration(View target, const RegistrationParams& params, double doubt)
+    : impl_(std::make_unique<Impl>(std::move(target), params, doubt)) {}
 PairRegistration::PairRegistration(PairRegistration&&) noexcept = default;
 PairRegistration& PairRegistration::operator=(PairRegistration&&) noexcept = default;
 PairRegistration::~PairRegistration() = default;

@@ -174,6 +174,9 @@ struct PairProbabilityCalibration {
   double evidence_weight = 0.31;
   double segments_slope = 0.105;
   double segments_null_score = 28.6;
+  double agreement_weight = 2.02;
+  double overlap_weight = 1.5;
+  double pixels_null = 2.97;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -185,6 +188,12 @@ struct PairProbabilityCalibration {
     visit("segments_slope", p.segments_slope, 0.0001, 10.0,
           "Slope of the log odds in the score of segments alone [1/nat].");
     visit("segments_null_score", p.segments_null_score, -1e4, 1e4, "Null score of segments alone [nats].");
+    visit("agreement_weight", p.agreement_weight, 0.0, 100.0,
+          "Weight of the log ratio of agreeing to contradicting pixels, in the log odds of pixels alone.");
+    visit("overlap_weight", p.overlap_weight, 0.0, 100.0,
+          "Weight of the log share of pixels that the other view shows, in the log odds of pixels alone.");
+    visit("pixels_null", p.pixels_null, -100.0, 1e4,
+          "What both together have to exceed to be as likely as nothing in common [nats].");
   }
 };
 

@@ -17,8 +17,9 @@ namespace facetloc {
  */
 class PairRegistration {
 public:
-  /** \brief Throws std::invalid_argument for a parameter out of its range. */
-  explicit PairRegistration(View target, const RegistrationParams& params = {});
+  /** \brief Throws std::invalid_argument for a parameter out of its range. \param doubt log odds against the
+   * evidence of planes, as where views show so small surfaces that some fit by chance [nats] */
+  explicit PairRegistration(View target, const RegistrationParams& params = {}, double doubt = 0);
   PairRegistration(PairRegistration&&) noexcept;
   PairRegistration& operator=(PairRegistration&&) noexcept;
   ~PairRegistration();

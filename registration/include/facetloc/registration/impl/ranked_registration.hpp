@@ -110,20 +110,14 @@ void RankedRegistration<PointT>::readTarget() {
   in_target_ = std::make_shared<const PairRegistration>(makeView(*target_, nullptr, target_fault_), params_);
 }
 
-// Small surfaces that a finer view shows fit by chance more often: a list that it had to be asked for is less
-// probable to hold the right pose.
+// Small surfaces that a finer view shows fit by chance more often.
 template <typename PointT>
 void RankedRegistration<PointT>::lookCloser(const pcl::Indices* indices, const PoseWithCovariance& prior) {
   constexpr double kDoubt = 2.3;  // odds of ten to one [nats]
   if (!in_finer_target_) {
     std::optional<View> target = makeFinerView(*target_, nullptr);
     if (!target) return;
-    RegistrationParams params = params_;
-    double& incomplete = params.probability.map_incomplete;
-    const double odds = std::exp(params_.probability.priorLogOdds() + kDoubt);
-    constexpr double kMost = 0.999;
-    incomplete = std::max(incomplete, std::min(kMost, odds / (1 + odds)));
-    in_finer_target_ = std::make_shared<const PairRegistration>(std::move(*target), params);
+    in_finer_target_ = std::make_shared<const PairRegistration>(std::move(*target), params_, kDoubt);
   }
   const std::optional<View> scene = makeFinerView(*input_, indices);
   if (!scene) return;
