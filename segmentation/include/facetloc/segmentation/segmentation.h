@@ -13,7 +13,8 @@
 #else
 namespace pcl {
 
-/** \brief The abstract base that PCL lacks: the common interface of its segmentation classes.
+/** \brief The abstract base of segmentations. PCL has no class of this name; each of its own derives from
+ * PCLBase.
  *
  * Input cloud and indices come from PCLBase. Outputs are cleared first; bad data leaves them empty and the
  * reason in getStatus(), never an exception or the answer of the call before. */
