@@ -7,6 +7,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -134,6 +138,30 @@ int subsamplingStep(const Intrinsics& camera, int working_width) {
 
 DepthImage workingImage(const DepthImage& image, int working_width) {
   return subsampled(image, subsamplingStep(image.camera, working_width));
+}
+
+LabelImage fullLabels(const LabelImage& labels, const DepthImage& image, int working_width) {
+  const DepthImage small = workingImage(image, working_width);
+  const Intrinsics &few = small.camera, &all = image.camera;
+  if (!image.valid() || labels.width != few.width || labels.label.size() != small.depth.size())
+    throw std::invalid_argument("labels and image differ in size");
+  const int step = subsamplingStep(all, working_width);
+  LabelImage full{all.width, all.height, std::vector<std::uint16_t>(image.depth.size(), 0)};
+  for (int v = 0; v < all.height; ++v)
+    for (int u = 0; u < all.width; ++u) {
+      const float z = image.at(u, v);
+      if (!isMeasured(z)) continue;
+      float nearest = std::numeric_limits<float>::infinity();
+      for (int y = v / step; y <= std::min((v + step - 1) / step, few.height - 1); ++y)
+        for (int x = u / step; x <= std::min((u + step - 1) / step, few.width - 1); ++x) {
+          const float off = std::abs(small.at(x, y) - z);
+          if (!isMeasured(small.at(x, y)) || off >= nearest) continue;
+          nearest = off;
+          full.label[static_cast<std::size_t>(v) * all.width + u] =
+              labels.label[static_cast<std::size_t>(y) * few.width + x];
+        }
+    }
+  return full;
 }
 
 int LabelImage::maxLabel() const { return label.empty() ? 0 : *std::max_element(label.begin(), label.end()); }

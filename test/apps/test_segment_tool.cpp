@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace facetloc::test {
 namespace {
@@ -35,7 +37,7 @@ TEST_F(Tools, SegmentWritesCloudsAndPolygons) {
   const std::string base = folder_ / "out/" + fs::path(firstImage()).stem().string();
   const std::vector<Segment> segments = readSegments(base + ".segments.pcd");
   pcl::PointCloud<pcl::PointXYZL> cloud;
-  ASSERT_EQ(pcl::io::loadPCDFile(base + "_cloud.pcd", cloud), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile(base + ".pcd", cloud), 0);
   std::vector<double> points(segments.size() + 1, 0), off(segments.size() + 1, 0);
   for (const pcl::PointXYZL& p : cloud) {
     ASSERT_LE(p.label, segments.size());
@@ -57,6 +59,66 @@ TEST_F(Tools, SegmentWritesCloudsAndPolygons) {
   again.emplace_back("--resume");
   ok(runTool<segmentApp>(again));
   EXPECT_TRUE(fs::exists(base + ".ply"));
+}
+
+/** An image as a cloud with colours, and labels of another program. */
+pcl::PointCloud<pcl::PointXYZRGBL> colouredCloud(const DepthImage& image) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud(image.camera.width, image.camera.height);
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      pcl::PointXYZRGBL& p = cloud(u, v);
+      const float z = image.at(u, v);
+      p.getVector3fMap() = Eigen::Vector3f::Constant(kNotMeasured);
+      if (z > 0) p.getVector3fMap() = (image.camera.ray(u, v) * z).cast<float>();
+      p.r = static_cast<std::uint8_t>(u), p.g = static_cast<std::uint8_t>(v), p.b = 7, p.label = 9999;
+    }
+  cloud.is_dense = false;
+  return cloud;
+}
+
+TEST_F(Tools, SegmentLabelsAllPointsOfACloudAndKeepsItsFields) {
+  const auto in = colouredCloud(DepthSequence::open(firstImage()).load(0));
+  pcl::io::savePCDFileBinary(folder_ / "first.pcd", in);
+  ok(runTool<segmentApp>({folder_ / "first.pcd", "-o", folder_ / "out", "--pcd", "--width", "160"}));
+  pcl::PointCloud<pcl::PointXYZRGBL> out;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder_ / "out/first.pcd", out), 0);
+  ASSERT_EQ(out.width, in.width);
+  ASSERT_EQ(out.height, in.height);
+  std::size_t measured = 0, labelled = 0;
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    EXPECT_EQ(out[i].rgba & 0xffffff, in[i].rgba & 0xffffff);
+    if (std::isnan(in[i].z)) {
+      EXPECT_EQ(out[i].label, 0u);
+      continue;
+    }
+    EXPECT_EQ(out[i].getVector3fMap(), in[i].getVector3fMap());
+    ASSERT_LT(out[i].label, 9999u);
+    ++measured, labelled += out[i].label > 0;
+  }
+  EXPECT_GT(2 * labelled, measured);
+}
+
+TEST_F(Tools, SegmentLabelsCloudsOfOneNameInSeveralFolders) {
+  const auto in = colouredCloud(DepthSequence::open(firstImage()).load(0));
+  std::vector<std::string> inputs;
+  for (const char* folder : {"a/x", "b/x", "b/y"}) {
+    fs::create_directories(folder_ / folder);
+    inputs.push_back(folder_ / folder + "/cloud.pcd");
+    pcl::io::savePCDFileBinary(inputs.back(), in);
+  }
+  ok(runTool<segmentApp>(inputs + Arguments{"-o", folder_ / "out", "--pcd"}));
+  for (const char* name : {"a_x_cloud.pcd", "b_x_cloud.pcd", "y_cloud.pcd"})
+    EXPECT_TRUE(fs::exists(folder_ / "out/" + name)) << name;
+}
+
+TEST_F(Tools, SegmentLabelsAllPixelsOfAnImage) {
+  ok(runTool<segmentApp>({firstImage(), "-o", folder_ / "out", "--pcd", "--width", "160"}));
+  pcl::PointCloud<pcl::PointXYZRGBL> cloud;
+  const std::string name = fs::path(firstImage()).stem().string() + ".pcd";
+  ASSERT_EQ(pcl::io::loadPCDFile(folder_ / "out/" + name, cloud), 0);
+  EXPECT_EQ(cloud.width, 320u);
+  EXPECT_EQ(cloud.height, 240u);
 }
 
 TEST_F(Tools, FilesOfSegmentsAreLocalized) {

@@ -85,6 +85,19 @@ TEST(DepthImage, TheWorkingWidthIsALowerBound) {
   EXPECT_GE(c.subsampled(2).width, 320);
 }
 
+TEST(LabelImage, OfTheWorkingImageGoesToThePixelsOfTheSameDepth) {
+  const DepthImage image{{4, 2, 10, 10, 2, 1},
+                         {1, 1, 2, 2,  //
+                          1, 2, 0, 2}};
+  const LabelImage labels{2, 1, {7, 8}}, full = fullLabels(labels, image, 2);
+  EXPECT_EQ(full.width, 4);
+  EXPECT_EQ(full.height, 2);
+  EXPECT_EQ(full.label, (std::vector<std::uint16_t>{7, 7, 8, 8,  //
+                                                    7, 8, 0, 8}));
+  EXPECT_EQ(fullLabels(full, image, 0).label, full.label);
+  EXPECT_THROW(fullLabels(labels, image, 0), std::invalid_argument);
+}
+
 TEST(LabelImage, MaxLabelOfAnEmptyImageIsZero) {
   EXPECT_EQ(LabelImage{}.maxLabel(), 0);
   EXPECT_EQ((LabelImage{2, 2, {0, 7, 3, 0}}).maxLabel(), 7);

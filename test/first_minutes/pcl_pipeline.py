@@ -74,7 +74,7 @@ with Newcomer() as user:
     user.type("facetloc_map build walk/map -o walk.flmap")
     user.type("facetloc_segment walk/query -o clouds --pcd")
     truth = user.poses("walk/query/groundtruth.txt")
-    printed = user.type("build/pipeline clouds/*_cloud.pcd")
+    printed = user.type("build/pipeline clouds/*[0-9].pcd")
     of_clouds, of_recording = printed.split("recording\n")
     sure = {}
     for line in of_clouds.splitlines():

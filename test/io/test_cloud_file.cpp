@@ -4,13 +4,17 @@
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/testing/full_disk.h>
 
+#include <pcl/common/io.h>
 #include <pcl/conversions.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
 #include <pcl/point_types.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
+#include <vector>
 
 namespace facetloc::test {
 namespace {
@@ -81,6 +85,44 @@ TEST_F(CloudFile, HasLabelsAndTheirColours) {
   EXPECT_EQ(cloud[4].label, 0u);
   labels.label.pop_back();
   EXPECT_THROW(writeLabelledCloud(folder_ / "b.pcd", tilted(), labels, {}), std::invalid_argument);
+}
+
+TEST_F(CloudFile, KeepsTheFieldsBesideTheLabels) {
+  pcl::PointCloud<pcl::PointXYZINormal> in(3, 2);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const auto x = static_cast<float>(i);
+    in[i].x = x, in[i].y = 1, in[i].z = 2, in[i].intensity = 10 * x, in[i].normal_y = -x,
+    in[i].curvature = 0.5f;
+  }
+  in[4].z = std::numeric_limits<float>::quiet_NaN();
+  in.sensor_origin_ << 1, 2, 3, 0;
+  pcl::io::savePCDFileBinary(folder_ / "in.pcd", in);
+  const LabelImage labels{3, 2, {1, 2, 0, 1, 2, 3}};
+  writeLabelledCloud(folder_ / "out.pcd", folder_ / "in.pcd", {5, 1, 2, 3, 4, 99}, labels, {{1, 2, 3}});
+  pcl::PointCloud<pcl::PointXYZINormal> same;
+  pcl::PointCloud<pcl::PointXYZRGBL> out;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder_ / "out.pcd", same), 0);
+  ASSERT_EQ(pcl::io::loadPCDFile(folder_ / "out.pcd", out), 0);
+  ASSERT_EQ(out.width, 3u);
+  ASSERT_EQ(out.height, 2u);
+  EXPECT_EQ(same.sensor_origin_, in.sensor_origin_);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    EXPECT_EQ(same[i].x, in[i].x);
+    EXPECT_EQ(same[i].intensity, in[i].intensity);
+    EXPECT_EQ(same[i].normal_y, in[i].normal_y);
+    EXPECT_EQ(same[i].curvature, in[i].curvature);
+  }
+  std::vector<std::uint32_t> found;
+  for (const pcl::PointXYZRGBL& p : out) found.push_back(p.label);
+  EXPECT_THAT(found, ElementsAre(3, 2, 0, 1, 0, 0));  // the last two: not finite, and outside the image
+  EXPECT_EQ(out[3].b, 3);
+  EXPECT_EQ(out[1].r, out[2].r);  // grey: no colour was given for label 2
+  writeLabelledCloud(folder_ / "again.pcd", folder_ / "out.pcd", {0, 0, 0, 0, 0, 0}, labels, {});
+  pcl::PCLPointCloud2 again;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder_ / "again.pcd", again), 0);
+  EXPECT_EQ(pcl::getFieldsList(again), "x y z intensity normal_x normal_y normal_z curvature rgb label");
+  EXPECT_THROW(writeLabelledCloud(folder_ / "b.pcd", folder_ / "in.pcd", {0}, labels, {}),
+               std::invalid_argument);
 }
 
 TEST_F(CloudFile, PolygonsAreAMesh) {

@@ -86,7 +86,12 @@ TEST_F(OtherAxes, RowsFromTheBottomUpAreTurnedOver) {
     for (std::uint32_t u = 0; u < cloud.width; ++u) over(u, v) = cloud(u, cloud.height - 1 - v);
   const DepthSequence sequence = open(over);
   EXPECT_THAT(sequence.remark(), HasSubstr("from the bottom up"));
-  expectScene(sequence.load(0));
+  const DepthImage image = sequence.load(0);
+  expectScene(image);
+  const auto pixels = sequence.pixelsOfPoints(0);
+  ASSERT_TRUE(pixels);
+  ASSERT_EQ(pixels->size(), over.size());
+  for (std::size_t i = 0; i < over.size(); ++i) EXPECT_EQ(image.depth[(*pixels)[i]], over[i].z) << i;
 }
 
 TEST_F(OtherAxes, MillimetresBecomeMetres) {
@@ -101,7 +106,13 @@ TEST_F(OtherAxes, OnTheGridOfALensThePointsAreSortedIntoAPinholeGrid) {
   lens.k1 = -0.25, lens.k2 = 0.08;
   const DepthSequence sequence = open(cloudOf([](const Eigen::Vector3d& p) { return p; }, lens));
   EXPECT_THAT(sequence.remark(), HasSubstr("lens"));
-  expectScene(sequence.load(0), 0.1);  // half a pixel of the floor
+  const DepthImage image = sequence.load(0);
+  expectScene(image, 0.1);  // half a pixel of the floor
+  std::size_t others = 0;
+  const auto pixels = sequence.pixelsOfPoints(0);
+  ASSERT_TRUE(pixels);
+  for (std::size_t i = 0; i < pixels->size(); ++i) others += (*pixels)[i] != i;
+  EXPECT_GT(others, pixels->size() / 2);  // each is where a pinhole camera sees its point
 }
 
 TEST_F(OtherAxes, TheViewpointIsUndoneOrSaidToBeIgnored) {

@@ -118,7 +118,7 @@ TEST_F(SegmentFile, IsASequenceForThoseWhoAskForIt) {
   for (const std::string name : {"1.5", "0.5"}) {
     writeSegments(folder_ / (name + ".segments.pcd"), segments_);
     std::ofstream(folder_ / (name + ".png"));  // its labels
-    std::ofstream(folder_ / (name + "_cloud.pcd"));
+    std::ofstream(folder_ / (name + ".pcd"));
   }
   RecordingHints hints;
   hints.segments = true;

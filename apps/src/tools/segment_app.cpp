@@ -29,8 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /** Endings of the files of results that an image may have, in addition to kSegmentEnding. */
-constexpr const char *kLabels = ".png", *kOverlay = "_overlay.png", *kCloud = "_cloud.pcd",
-                     *kPolygons = ".ply";
+constexpr const char *kLabels = ".png", *kOverlay = "_overlay.png", *kCloud = ".pcd", *kPolygons = ".ply";
 
 /** Colours of a view's segments in their pictures. */
 std::vector<PointColour> coloursOf(const View& view) {
@@ -50,13 +49,31 @@ std::vector<ColouredPolygon> polygonsOf(const View& view) {
   return polygons;
 }
 
-/** The name that distinguishes the images of one input from those of another: the sequence's folder. */
-std::string labelOf(const std::string& input) {
-  fs::path path = fs::absolute(input).lexically_normal();
-  if (!path.has_filename()) path = path.parent_path();  // a trailing slash
-  if (!fs::is_directory(path)) path = path.parent_path();
-  if (path.filename() == "depth") path = path.parent_path();
-  return path.filename().string();
+/** Names that differ: those of the folders of equal ones stand before them, as many as it takes. \param
+ * folders of the files of the names; those named depth distinguish nothing */
+std::vector<std::string> distinguished(std::vector<std::string> names, std::vector<fs::path> folders) {
+  for (bool is_changed = true; std::exchange(is_changed, false);) {
+    std::map<std::string, int> uses;
+    for (const std::string& name : names) ++uses[name];
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (folders[i].filename() == "depth") folders[i] = folders[i].parent_path();
+      if (uses[names[i]] < 2 || !folders[i].has_filename()) continue;
+      names[i] = fmt::format("{}_{}", folders[i].filename().string(), names[i]);
+      folders[i] = folders[i].parent_path();
+      is_changed = true;
+    }
+  }
+  return names;
+}
+
+/** The names of the frames' files, or of the frames if a file holds several. */
+std::vector<std::string> stemsOf(const DepthSequence& sequence) {
+  std::map<fs::path, int> uses;
+  for (const FrameFile& file : sequence.frames()) ++uses[file.path];
+  std::vector<std::string> stems;
+  for (const FrameFile& file : sequence.frames())
+    stems.push_back(uses[file.path] > 1 ? file.name : file.path.stem().string());
+  return stems;
 }
 
 /** facetloc_segment: depth images -> planar surface segments, in batch. */
@@ -75,13 +92,14 @@ private:
     const DepthSequence* sequence;
     std::size_t index;  // index within its sequence
     std::string name;   // base of the names of its output files
+    std::string stem;   // the base of its cloud's
 
     const FrameFile& file() const { return sequence->frames()[index]; }
   };
 
   /** A file of the results of an image. */
   struct Output {
-    const char* ending;
+    std::string name;
     bool is_written;
   };
 
@@ -95,31 +113,41 @@ private:
         builder_.emplace(app_.input_.camera(image.sequence->camera(), line_), app_.input_.view);
       sequence_ = image.sequence;
 
-      const DepthImage depth = image.sequence->load(image.index, app_.input_.width);
+      const DepthImage full = image.sequence->load(image.index),
+                       depth = workingImage(full, app_.input_.width);
       const View view = builder_->build(depth);
       const LabelImage& labels = builder_->segmentation().labels;
       const fs::path base = fs::path(app_.folder_) / image.name;
       if (app_.labels_) writeLabels(base.string() + kLabels, labels);
       if (app_.overlay_) writePng(base.string() + kOverlay, overlay(depth, labels));
-      if (app_.pcd_) writeLabelledCloud(base.string() + kCloud, depth, labels, coloursOf(view));
+      if (app_.pcd_) writeCloud(image, full, fullLabels(labels, full, app_.input_.width), coloursOf(view));
       if (app_.ply_) writePolygons(base.string() + kPolygons, polygonsOf(view));
       writeSegments(app_.segmentsOf(image), view.segments);
       return view.segments.size();
     }
 
   private:
+    void writeCloud(const Image& image, const DepthImage& depth, const LabelImage& labels,
+                    const std::vector<PointColour>& colours) const {
+      const fs::path path = fs::path(app_.folder_) / (image.stem + kCloud);
+      if (const auto pixels = image.sequence->pixelsOfPoints(image.index))
+        writeLabelledCloud(path, image.file().path, *pixels, labels, colours);
+      else
+        writeLabelledCloud(path, depth, labels, colours);
+    }
+
     const SegmentApp& app_;
     const CommandLine& line_;
     std::optional<ViewBuilder> builder_;
     const DepthSequence* sequence_ = nullptr;  // sequence of the last image
   };
 
-  std::array<Output, 5> outputs() const {
-    return {{{kSegmentEnding, true},
-             {kLabels, labels_},
-             {kOverlay, overlay_},
-             {kCloud, pcd_},
-             {kPolygons, ply_}}};
+  std::array<Output, 5> outputs(const std::string& name, const std::string& stem) const {
+    return {{{name + kSegmentEnding, true},
+             {name + kLabels, labels_},
+             {name + kOverlay, overlay_},
+             {stem + kCloud, pcd_},
+             {name + kPolygons, ply_}}};
   }
 
   void addOptions(CommandLine& line) override {
@@ -130,7 +158,7 @@ private:
     line.addSwitch("overlay", overlay_,
                    "Also write <name>_overlay.png: grey depth with segment borders in green.");
     line.addSwitch("pcd", pcd_,
-                   "Also write <name>_cloud.pcd: the points, coloured and labelled by their segments.");
+                   "Also write <file name>.pcd: all points and fields of the input, labelled by segments.");
     line.addSwitch("ply", ply_, "Also write <name>.ply: the outlines of the segments, for mesh viewers.");
     line.addSwitch("noise", measures_noise_,
                    "Measure the noise of the images over depth instead, and print values for camera.ini.");
@@ -142,27 +170,32 @@ private:
   }
 
   std::vector<Image> images(const std::vector<DepthSequence>& sequences) const {
-    std::map<std::string, int> uses;
-    for (const DepthSequence& sequence : sequences)
-      for (const FrameFile& file : sequence.frames()) ++uses[file.name];
-
     std::vector<Image> images;
-    std::map<std::string, fs::path> taken;
-    for (std::size_t input = 0; input < sequences.size(); ++input)
-      for (std::size_t i = 0; i < sequences[input].frames().size(); ++i) {
-        const FrameFile& file = sequences[input].frames()[i];
-        const std::string name =
-            uses[file.name] > 1 ? fmt::format("{}_{}", labelOf(inputs_[input]), file.name) : file.name;
-        for (const auto& [ending, is_written] : outputs()) {
-          if (!is_written) continue;
-          const auto [other, is_new] = taken.emplace(name + ending, file.path);
-          if (!is_new)
-            throw UsageError(
-                fmt::format("results of {} and {} would both be named {}{}; use different output folders",
-                            other->second.string(), file.path.string(), name, ending));
-        }
-        images.push_back({&sequences[input], i, name});
+    std::vector<std::string> names, stems;
+    std::vector<fs::path> folders;
+    for (const DepthSequence& sequence : sequences)
+      for (const std::string& stem : stemsOf(sequence)) {
+        const std::size_t index =
+            images.empty() || images.back().sequence != &sequence ? 0 : images.back().index + 1;
+        images.push_back({&sequence, index, {}, {}});
+        const FrameFile& file = images.back().file();
+        names.push_back(file.name), stems.push_back(stem);
+        folders.push_back(fs::absolute(file.path).lexically_normal().parent_path());
       }
+    names = distinguished(std::move(names), folders), stems = distinguished(std::move(stems), folders);
+    std::map<std::string, fs::path> taken;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      images[i].name = names[i], images[i].stem = stems[i];
+      const fs::path& file = images[i].file().path;
+      for (const auto& [name, is_written] : outputs(names[i], stems[i])) {
+        if (!is_written) continue;
+        const auto [other, is_new] = taken.emplace(name, file);
+        if (!is_new)
+          throw UsageError(
+              fmt::format("results of {} and {} would both be named {}; use different output folders",
+                          other->second.string(), file.string(), name));
+      }
+    }
     return images;
   }
 
@@ -170,10 +203,9 @@ private:
   fs::path segmentsOf(const Image& image) const { return fs::path(folder_) / (image.name + kSegmentEnding); }
 
   bool done(const Image& image) const {
-    const std::string base = (fs::path(folder_) / image.name).string();
-    const auto files = outputs();
-    return std::all_of(files.begin(), files.end(), [&base](const Output& output) {
-      return !output.is_written || fs::exists(base + output.ending);
+    const auto files = outputs(image.name, image.stem);
+    return std::all_of(files.begin(), files.end(), [this](const Output& output) {
+      return !output.is_written || fs::exists(fs::path(folder_) / output.name);
     });
   }
 
@@ -191,9 +223,9 @@ private:
   }
 
   /** Removes the files of an image, or of one of an earlier run, from the folder. */
-  void removeResultsOf(const std::string& name) const {
+  void removeResultsOf(const std::string& name, const std::string& stem) const {
     if (!fs::exists(fs::path(folder_) / (name + kSegmentEnding))) return;  // another tool's images
-    for (const Output& output : outputs()) fs::remove(fs::path(folder_) / (name + output.ending));
+    for (const Output& output : outputs(name, stem)) fs::remove(fs::path(folder_) / output.name);
   }
 
   /** \return which images are still to be done. */
@@ -215,8 +247,10 @@ private:
     if (resume_ && before) before->requireSame(provenance, finished, folder_);
     // Files of other images, or made with other parameters, would be taken for results of this run.
     const std::set<std::string> kept(finished.begin(), finished.end());
+    std::map<std::string, std::string> stems;
+    for (const Image& image : images) stems[image.name] = image.stem;
     for (const auto& [name, size] : before ? before->images : ImageSizes())
-      if (!kept.count(name)) removeResultsOf(name);
+      if (!kept.count(name)) removeResultsOf(name, stems.emplace(name, name).first->second);
     for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));
     provenance.write(folder_);
     return todo;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace facetloc::internal {
@@ -155,25 +156,46 @@ bool isLike(const Intrinsics& found, const Intrinsics& given) {
          std::abs(found.cy - given.cy) <= kCentre * given.width;
 }
 
+constexpr const char* kLensRemark = "the clouds are on the grid of an image with lens distortion: their "
+                                    "points are sorted into a pinhole grid";
+
 /** Each pixel takes the depth of the point that is seen nearest to it, within a pixel. */
-DepthImage sortedInto(const Intrinsics& camera, const Cloud& cloud) {
+CloudImage sortedInto(const Intrinsics& camera, const Cloud& cloud) {
   const auto width = static_cast<std::size_t>(camera.width);
-  DepthImage image{camera, std::vector<float>(width * static_cast<std::size_t>(camera.height), 0.f)};
-  std::vector<double> distance(image.depth.size(), 1.0);
-  for (const auto& p : cloud) {
+  const std::size_t n = width * static_cast<std::size_t>(camera.height);
+  CloudImage found{
+      {camera, std::vector<float>(n, 0.f)}, kLensRemark, std::vector<std::uint32_t>(cloud.size(), kNoPixel)};
+  DepthImage& image = found.image;
+  std::vector<double> distance(n, 1.0);
+  for (std::size_t point = 0; point < cloud.size(); ++point) {
+    const auto& p = cloud[point];
     if (!detail::inFront(p)) continue;
     const Eigen::Vector2d seen = camera.project(p.getVector3fMap().cast<double>());
     if (!(seen.x() > -1 && seen.y() > -1 && seen.x() < camera.width && seen.y() < camera.height)) continue;
     const int u0 = static_cast<int>(std::floor(seen.x())), v0 = static_cast<int>(std::floor(seen.y()));
+    double nearest = 1;
     for (const int v : {v0, v0 + 1})
       for (const int u : {u0, u0 + 1}) {
         if (u < 0 || v < 0 || u >= camera.width || v >= camera.height) continue;
         const std::size_t i = static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u);
         const double d = (seen - Eigen::Vector2d(u, v)).norm();
         if (d < distance[i]) distance[i] = d, image.depth[i] = p.z;
+        if (d < nearest) nearest = d, found.pixels[point] = static_cast<std::uint32_t>(i);
       }
   }
-  return image;
+  return found;
+}
+
+/** The pixels of points whose rows are stored from the bottom up. */
+void turnRows(CloudImage& found) {
+  const auto width = static_cast<std::size_t>(found.image.camera.width);
+  std::vector<std::uint32_t>& pixels = found.pixels;
+  if (pixels.empty()) {
+    pixels.resize(found.image.depth.size());
+    std::iota(pixels.begin(), pixels.end(), 0);
+  }
+  for (std::size_t top = 0, bottom = pixels.size(); top + width < bottom; top += width, bottom -= width)
+    std::swap_ranges(pixels.begin() + top, pixels.begin() + top + width, pixels.begin() + bottom - width);
 }
 
 /** Depths that would be beyond 100 m in the median are millimetres. */
@@ -188,16 +210,13 @@ bool fits(const Cloud& cloud, const Intrinsics& camera) {
   return !detail::isBehind(cloud) && isImageOf(cloud, camera, kCalibrationError * camera.width);
 }
 
-constexpr const char* kLensRemark = "the clouds are on the grid of an image with lens distortion: their "
-                                    "points are sorted into a pinhole grid";
-
 /** Image of points that fit a pinhole camera to a pixel; sorted anew if a lens fits much better. */
 CloudImage imageOfRecovered(const Cloud& cloud, const Intrinsics& camera) {
   constexpr double kPinhole = 0.1, kMuchBetter = 0.25;  // [px]; of it
   const std::vector<Sample> samples = samplesOf(cloud);
   const double off = residual(samples, Eigen::Matrix3d::Identity());
   if (off > kPinhole && std::isfinite(off) && isSmooth(samples, camera, kMuchBetter * off))
-    return {sortedInto(camera, cloud), kLensRemark};
+    return sortedInto(camera, cloud);
   return {depthImage(cloud, camera)};
 }
 
@@ -212,10 +231,16 @@ std::optional<CloudImage> imageInBestAxes(const Cloud& points, const std::option
     remark = fmt::format("the axes of the clouds are {}: they are turned to x right, y down, z forward",
                          toString(turn.axes));
   if (turn.rows_from_below) addSentence("the rows of the clouds are stored from the bottom up", remark);
+  const auto inRows = [&](CloudImage found) {
+    if (turn.rows_from_below) turnRows(found);
+    addSentence(found.remark, remark);
+    found.remark = remark;
+    return found;
+  };
   if (camera) {
-    if (fits(cloud, *camera)) return CloudImage{depthImage(cloud, *camera), remark};
+    if (fits(cloud, *camera)) return inRows({depthImage(cloud, *camera)});
   } else if (const auto recovered = recoverIntrinsics(cloud)) {
-    return CloudImage{depthImage(cloud, *recovered), remark};
+    return inRows({depthImage(cloud, *recovered)});
   }
   if (turn.residual > kLensAtMost * points.width) return {};
   const std::vector<Sample> of_camera = samplesOf(cloud);
@@ -226,8 +251,7 @@ std::optional<CloudImage> imageInBestAxes(const Cloud& points, const std::option
   k.width = static_cast<int>(cloud.width), k.height = static_cast<int>(cloud.height);
   if (camera && !isLike(k, *camera)) return {};
   if (camera) k = *camera;
-  addSentence(kLensRemark, remark);
-  return CloudImage{sortedInto(k, cloud), remark};
+  return inRows(sortedInto(k, cloud));
 }
 
 }  // namespace

@@ -7,9 +7,12 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 /** \file
  * Organized clouds that are not as a camera sees them: in other axes, in millimetres, moved by their
@@ -28,7 +31,9 @@ struct FileCloud {
 struct CloudImage {
   DepthImage image;
   std::string remark{};
+  std::vector<std::uint32_t> pixels{};  ///< pixel of each point; kNoPixel outside the image. Empty: in order
 };
+constexpr std::uint32_t kNoPixel = std::numeric_limits<std::uint32_t>::max();
 
 /** \brief The image of a camera at the origin of the points; where that does not fit, of the points in other
  * axes, which a signed permutation turns into x right, y down, z forward, or of the points before their

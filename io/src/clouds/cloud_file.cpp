@@ -4,10 +4,12 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
 
+#include <pcl/common/io.h>
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -20,6 +22,28 @@ namespace facetloc {
 namespace {
 
 constexpr PointColour kUnlabelled = {150, 150, 150};
+
+PointColour colourOf(std::size_t label, const std::vector<PointColour>& colours) {
+  return label > 0 && label <= colours.size() ? colours[label - 1] : kUnlabelled;
+}
+
+bool hasFinitePoint(const pcl::PCLPointCloud2& cloud, std::size_t index) {
+  return std::all_of(cloud.fields.begin(), cloud.fields.end(), [&](const pcl::PCLPointField& field) {
+    return (field.name != "x" && field.name != "y" && field.name != "z") ||
+           std::isfinite(
+               numberAt(field.datatype, cloud.data.data() + index * cloud.point_step + field.offset));
+  });
+}
+
+/** Appends a field of one number of 32 bits. \return where it begins in a point */
+std::uint32_t addField(const char* name, std::uint8_t type, pcl::PCLPointCloud2& cloud) {
+  pcl::PCLPointField field;
+  field.name = name, field.count = 1, field.offset = cloud.point_step;
+  field.datatype = type;
+  cloud.fields.push_back(field);
+  cloud.point_step += sizeof(std::uint32_t);
+  return field.offset;
+}
 
 template <class PointT>
 void setColour(const PointColour& colour, PointT& p) {
@@ -98,11 +122,48 @@ void writeLabelledCloud(const std::filesystem::path& path, const DepthImage& ima
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const std::size_t label = labels.label[i];
     cloud[i].label = static_cast<std::uint32_t>(label);
-    setColour(label > 0 && label <= colours.size() ? colours[label - 1] : kUnlabelled, cloud[i]);
+    setColour(colourOf(label, colours), cloud[i]);
   }
   pcl::PCLPointCloud2 fields;
   pcl::toPCLPointCloud2(cloud, fields);
   writePcd(path, fields);
+}
+
+void writeLabelledCloud(const std::filesystem::path& path, const std::filesystem::path& points,
+                        const std::vector<std::uint32_t>& pixels, const LabelImage& labels,
+                        const std::vector<PointColour>& colours) {
+  const PcdHeader header(points);
+  const pcl::PCLPointCloud2 in = readPcd(points, header);
+  if (pixels.size() != header.points) throw std::invalid_argument("pixels and points differ in number");
+  pcl::PCLPointCloud2 out;
+  out.width = in.width, out.height = in.height;
+  std::vector<pcl::PCLPointField> kept;
+  for (const pcl::PCLPointField& field : in.fields) {
+    if (field.name == "label" || field.name == "_") continue;  // "_" is padding
+    kept.push_back(field);
+    out.fields.push_back(field);
+    out.fields.back().offset = out.point_step;
+    out.point_step += field.count * static_cast<std::uint32_t>(pcl::getFieldSize(field.datatype));
+  }
+  const bool is_coloured = fieldOf(in, "rgb") || fieldOf(in, "rgba");
+  const std::uint32_t colour_at = is_coloured ? 0 : addField("rgb", pcl::PCLPointField::FLOAT32, out),
+                      label_at = addField("label", pcl::PCLPointField::UINT32, out);
+  out.data.resize(header.points * out.point_step);
+  for (std::size_t i = 0; i < header.points; ++i) {
+    std::uint8_t* point = out.data.data() + i * out.point_step;
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      std::memcpy(point + out.fields[k].offset, in.data.data() + i * in.point_step + kept[k].offset,
+                  kept[k].count * static_cast<std::size_t>(pcl::getFieldSize(kept[k].datatype)));
+    const bool is_labelled = pixels[i] < labels.label.size() && hasFinitePoint(in, i);
+    const std::uint32_t label = is_labelled ? labels.label[pixels[i]] : 0;
+    std::memcpy(point + label_at, &label, sizeof label);
+    if (is_coloured) continue;
+    const PointColour colour = colourOf(label, colours);
+    const std::uint32_t rgb = static_cast<std::uint32_t>(colour.red) << 16 |
+                              static_cast<std::uint32_t>(colour.green) << 8 | colour.blue;
+    std::memcpy(point + colour_at, &rgb, sizeof rgb);
+  }
+  writePcd(path, out, header.viewpoint);
 }
 
 ColouredPolygon polygonOf(const Segment& segment, const PointColour& colour) {

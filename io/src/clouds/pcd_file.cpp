@@ -131,7 +131,8 @@ char letterOf(std::uint8_t type) {
   });
 }
 
-std::string headerOf(const pcl::PCLPointCloud2& points) {
+std::string headerOf(const pcl::PCLPointCloud2& points, std::vector<double> viewpoint) {
+  if (viewpoint.empty()) viewpoint = {0, 0, 0, 1, 0, 0, 0};
   std::string names, sizes, types, counts;
   for (const Field& field : points.fields) {
     names += ' ' + field.name;
@@ -141,8 +142,9 @@ std::string headerOf(const pcl::PCLPointCloud2& points) {
   }
   return fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\nWIDTH {}\n"
-      "HEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary_compressed\n",
-      names, sizes, types, counts, points.width, points.height, std::size_t(points.width) * points.height);
+      "HEIGHT {}\nVIEWPOINT {}\nPOINTS {}\nDATA binary_compressed\n",
+      names, sizes, types, counts, points.width, points.height, fmt::join(viewpoint, " "),
+      std::size_t(points.width) * points.height);
 }
 
 /** All values of the first field, then all of the second, ..., without padding between fields. */
@@ -339,14 +341,15 @@ pcl::PCLPointCloud2 readPcd(const std::filesystem::path& path, const PcdHeader& 
   return cloud;
 }
 
-void writePcd(const std::filesystem::path& path, const pcl::PCLPointCloud2& points) {
+void writePcd(const std::filesystem::path& path, const pcl::PCLPointCloud2& points,
+              const std::vector<double>& viewpoint) {
   const std::string columns = columnsOf(points), packed = lzfPacked(columns);
   const std::uint32_t sizes[] = {static_cast<std::uint32_t>(packed.size()),
                                  static_cast<std::uint32_t>(columns.size())};
   if (sizes[1] != columns.size())
     throw IoError(path.string(), "cannot be written: a PCD file holds less than 4 GB of points");
   writeTextAtomically(path, [&](std::ostream& out) {
-    out << headerOf(points);
+    out << headerOf(points, viewpoint);
     out.write(reinterpret_cast<const char*>(sizes), sizeof sizes);
     out << packed;
   });

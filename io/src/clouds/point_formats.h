@@ -60,8 +60,9 @@ struct PcdHeader {
 pcl::PCLPointCloud2 readPcd(const std::filesystem::path& path, const PcdHeader& header,
                             Eigen::Isometry3d* viewpoint = nullptr);
 
-/** \brief Writes points, or none, as a binary_compressed PCD, atomically. */
-void writePcd(const std::filesystem::path& path, const pcl::PCLPointCloud2& points);
+/** \brief Writes points, or none, as a binary_compressed PCD, atomically. \param viewpoint as of PcdHeader */
+void writePcd(const std::filesystem::path& path, const pcl::PCLPointCloud2& points,
+              const std::vector<double>& viewpoint = {});
 
 /** \brief The field of a cloud by its name; null without one. */
 const pcl::PCLPointField* fieldOf(const pcl::PCLPointCloud2& cloud, std::string_view name);

@@ -21,6 +21,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <fmt/format.h>
 #include <map>
 #include <system_error>
@@ -308,7 +309,7 @@ internal::CloudImage DepthSequence::loadAsStored(std::size_t index) const {
   if (of_segments_)
     throw IoError(path.string(),
                   "holds segments, and no depth image: localize, register and render it instead");
-  if (!container_ && internal::isCloud(path)) return internal::imageOfPcd(path, knownIntrinsics());
+  if (isStoredAsCloud(index)) return internal::imageOfPcd(path, knownIntrinsics());
   if (!container_) return {depthOf(path, *camera_)};
   DepthImage image = container_->read(index);
   requireSize(path, image.camera.width, image.camera.height, camera_->camera.intrinsics);
@@ -316,9 +317,23 @@ internal::CloudImage DepthSequence::loadAsStored(std::size_t index) const {
   return {std::move(image)};
 }
 
+bool DepthSequence::isStoredAsCloud(std::size_t index) const {
+  return !container_ && internal::isCloud(frames_.at(index).path);
+}
+
+std::optional<std::vector<std::uint32_t>> DepthSequence::pixelsOfPoints(std::size_t index) const {
+  if (!isStoredAsCloud(index)) return {};
+  internal::CloudImage found = loadAsStored(index);
+  if (found.pixels.empty()) {
+    found.pixels.resize(found.image.depth.size());
+    std::iota(found.pixels.begin(), found.pixels.end(), 0);
+  }
+  return std::move(found.pixels);
+}
+
 DepthImage DepthSequence::load(std::size_t index, int working_width) const {
   DepthImage image = loadAsStored(index).image;
-  if (lens_ && !(internal::isCloud(frames_[index].path) && !container_)) image = (*lens_)(image);
+  if (lens_ && !isStoredAsCloud(index)) image = (*lens_)(image);
   fillHoleGrid(image);
   return workingImage(image, working_width);
 }

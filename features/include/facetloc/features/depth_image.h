@@ -61,6 +61,11 @@ struct LabelImage {
   int maxLabel() const;
 };
 
+/** \brief Labels of all pixels of an image by those of its workingImage(). A measured pixel has the label of
+ * the working pixel around it that is nearest in depth; an unmeasured one has none. Throws
+ * std::invalid_argument if the labels are not of the working image's size. */
+LabelImage fullLabels(const LabelImage& labels, const DepthImage& image, int working_width = kWorkingWidth);
+
 /** \brief Reach of the holes of a depth image that was aligned to a finer one, which leaves pixels between
  * those that it fills: how far from a hole the measured pixels around it are, on all its sides [px]. 0 for
  * images without such a grid of holes: those of which fewer than half as many pixels are holes between

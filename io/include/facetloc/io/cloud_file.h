@@ -36,6 +36,14 @@ void writeCloud(const std::filesystem::path& path, const DepthImage& image,
 void writeLabelledCloud(const std::filesystem::path& path, const DepthImage& image, const LabelImage& labels,
                         const std::vector<PointColour>& colours);
 
+/** \brief Writes the points of a PCD file with a field `label`, in place of one of that name, beside all
+ * other fields and its viewpoint. \param pixels pixel of the labels for each point
+ * (DepthSequence::pixelsOfPoints()); a point that is not finite or at none has label 0. \param colours as
+ * above, for files without colours. Throws std::invalid_argument if pixels and points differ in number. */
+void writeLabelledCloud(const std::filesystem::path& path, const std::filesystem::path& points,
+                        const std::vector<std::uint32_t>& pixels, const LabelImage& labels,
+                        const std::vector<PointColour>& colours);
+
 /** \brief A flat polygon in space, such as the outline of a segment. */
 struct ColouredPolygon {
   std::vector<Eigen::Vector3d> vertices;  ///< sorted around the polygon [m]

@@ -133,6 +133,9 @@ public:
    * Thread-safe. Throws IoError for unreadable, truncated, unorganized or wrongly sized files
    * and for segments, std::out_of_range for the index. */
   DepthImage load(std::size_t index, int working_width = 0) const;
+  /** \brief Of a frame that is stored as a cloud, the pixel of load(index) that each point of the file is at,
+   * or one beyond the image; nothing of other frames. Throws the exceptions of load(). */
+  std::optional<std::vector<std::uint32_t>> pixelsOfPoints(std::size_t index) const;
 
 private:
   friend class internal::SequenceReader;
@@ -142,6 +145,7 @@ private:
   std::string frameOfPoses(const PoseReading& reading) const;
   std::optional<Intrinsics> knownIntrinsics() const;
   internal::CloudImage loadAsStored(std::size_t index) const;
+  bool isStoredAsCloud(std::size_t index) const;
 
   std::vector<FrameFile> frames_;
   std::shared_ptr<const internal::ImageContainer> container_;  // that all frames are in, if they are
