@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -97,6 +98,11 @@ inline std::string lower(std::string s) {
   for (char& c : s)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return s;
+}
+
+/** \brief ".png" of a.PNG. */
+inline std::string lowerExtension(const std::filesystem::path& path) {
+  return lower(path.extension().string());
 }
 
 }  // namespace facetloc::text

@@ -2,6 +2,7 @@
 #include "frame_source.h"
 
 #include "base/median.h"
+#include "base/text.h"
 #include "scene_file.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -126,7 +127,7 @@ private:
 
 bool isFrameSource(const std::string& path) {
   std::error_code ignored;
-  return std::filesystem::is_directory(path, ignored) || std::filesystem::path(path).extension() == ".scene";
+  return std::filesystem::is_directory(path, ignored) || text::lowerExtension(path) == ".scene";
 }
 
 std::unique_ptr<FrameSource> openFrameSource(const std::string& path) {

@@ -214,8 +214,10 @@ TEST_F(ParamsFile, IsReadAndTheCommandLineWins) {
             "1  100 1 1.5 2 0 1 0 0 1");
 }
 
-TEST_F(ParamsFile, MayBeginWithAByteOrderMark) {
-  EXPECT_EQ(echoWith("\xEF\xBB\xBFmatching.max_pairs = 9\n").out, "1  100 0 2.5 9 0 1 0 0 0");
+TEST_F(ParamsFile, MayHaveAByteOrderMarkAndOtherEndsOfLines) {
+  for (const char* content : {"\xEF\xBB\xBFmatching.max_pairs = 9\n", "# ours\rmatching.max_pairs = 9\r",
+                              "# ours\r\nmatching.max_pairs = 9\r\n"})
+    EXPECT_EQ(echoWith(content).out, "1  100 0 2.5 9 0 1 0 0 0");
 }
 
 TEST_F(ParamsFile, ReadsTheOutputOfToIni) {

@@ -5,6 +5,7 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/testing/decimal_comma.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace facetloc::test {
@@ -104,6 +105,14 @@ TEST(CameraFile, RoundTripsExactly) {
   EXPECT_EQ(again.camera.mounting->height, camera.mounting->height);
   EXPECT_EQ(again.camera.mounting->tilt_deg, camera.mounting->tilt_deg);
   EXPECT_EQ(again.camera.noise.inverse_depth_std, camera.noise.inverse_depth_std);
+}
+
+TEST(CameraFile, MayHaveCapitalsAndLinesOfOtherMachines) {
+  std::string content = std::string("# B\xC3\xBCro\n") + kMinimal + "Camera = Kinect\n";
+  std::replace(content.begin(), content.end(), 'x', 'X');
+  std::replace(content.begin(), content.end(), '\n', '\r');
+  EXPECT_EQ(read(content).camera.intrinsics.fx, 525);
+  EXPECT_EQ(read(content).preset, "kinect");
 }
 
 TEST(CameraFile, DoesNotDependOnTheLocale) {

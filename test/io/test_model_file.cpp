@@ -12,6 +12,7 @@
 #include <pcl/point_types.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -103,6 +104,26 @@ TEST_F(ModelFile, ReadsMeshes) {
   solid.replace(0, 5, "solid");
   solid[70] = '\0';
   expectRoof(readModel(write("solid.stl", solid)));
+}
+
+TEST_F(ModelFile, ReadsHeadersWithMarksOtherLinesAndOtherLetters) {
+  constexpr const char* kMark = "\xEF\xBB\xBF";
+  const std::string ply = kPlyHead + kPlyData;
+  std::string lines = ply, utf16 = "\xFF\xFE", upper = ply;
+  std::replace(lines.begin(), lines.end(), '\n', '\r');
+  for (const char c : ply) utf16.append({c, '\0'});
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  expectRoof(readModel(write("marked.ply", kMark + ply)));
+  for (const std::string& text : {lines, utf16, upper}) expectRoof(readModel(write("other.PLY", text)));
+  const std::string facets = "facet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 1\nendfacet\nfacet\nvertex 0 0 "
+                             "0\nvertex 1 -1 1\nvertex 1 0 0\nendfacet\nendsolid\n";
+  expectRoof(readModel(write("named.stl", "SOLID B\xC3\xBCro\n" + facets)));
+  expectRoof(readModel(write("marked.stl", kMark + ("solid roof\n" + facets))));
+  const std::string pcd =
+      "version 0.7\nfields x y z\nsize 4 4 4\ntype F F F\ncount 1 1 1\nwidth 2\nheight 1\n"
+      "points 2\ndata ASCII\n1 2 3\n4 5 6\n";
+  EXPECT_EQ(6, pointsOf(readModel(write("marked.pcd", kMark + pcd))).at(1).z);
+  EXPECT_THAT(refusal(write("wide.pcd", utf16)), HasSubstr("save it as UTF-8"));
 }
 
 TEST_F(ModelFile, ReadsObjFilesAsTheyAreWritten) {
@@ -231,6 +252,9 @@ TEST_F(ModelFile, NamesWhatStandsInPlaceOfAModel) {
     EXPECT_THAT(
         refusal(write(name, "version https://git-lfs.github.com/spec/v1\noid sha256:07\nsize 1234567\n")),
         HasSubstr("git lfs pull"));
+  EXPECT_THAT(refusal(write("b.ply", "/annex/objects/SHA256E-s9--7.ply\n")), HasSubstr("git annex get"));
+  fs::create_symlink(".git/annex/objects/a/b/SHA256E-s9--7.ply/SHA256E-s9--7.ply", folder_ / "c.ply");
+  EXPECT_THAT(refusal(folder_ / "c.ply"), HasSubstr("git annex get"));
   EXPECT_THAT(refusal(write("plan.pgm", "P5 1 1 255 a")), HasSubstr(".yaml"));
   expectRoof(
       readModel(write("marked.obj", "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 -1 1\nf 1 2 3\nf 1 4 2\n")));

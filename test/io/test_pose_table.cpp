@@ -211,12 +211,13 @@ TEST(PoseTable, NamesTheLineOfAFault) {
   EXPECT_EQ(errorOf("# nothing yet\n"), "");
 }
 
-TEST(PoseTable, Utf16IsRead) {
+TEST(PoseTable, Utf16IsReadWithAndWithoutItsMark) {
   const TemporaryFolder folder;
   const std::string text =
       table([](int i) { return text::decimals(stampOf(i), 6) + " " + joined(columnsOf(i)); });
-  for (const bool big_endian : {false, true}) {
-    std::string bytes = big_endian ? "\xFE\xFF" : "\xFF\xFE";
+  for (const int kind : {0, 1, 2, 3}) {
+    const bool big_endian = kind % 2 == 1;
+    std::string bytes = kind > 1 ? "" : big_endian ? "\xFE\xFF" : "\xFF\xFE";
     for (const char c : text) bytes += big_endian ? std::string{'\0', c} : std::string{c, '\0'};
     putBytes(folder / "poses.txt", bytes);
     const Trajectory read = readTrajectory(folder / "poses.txt");

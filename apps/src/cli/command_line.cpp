@@ -3,13 +3,14 @@
 #include "cli/app.h"
 #include "cli/spelling.h"
 
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+
 #include <boost/program_options.hpp>
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -220,14 +221,14 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
 }
 
 /** The lines of a parameter file as arguments. */
-std::vector<std::string> CommandLine::parametersIn(std::istream& in, const std::string& path,
+std::vector<std::string> CommandLine::parametersIn(std::string_view content, const std::string& path,
                                                    Unknown unknown) const {
-  constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";  // some editors put it in front
   std::vector<std::string> arguments;
-  std::string line, prefix;
-  for (int number = 1; std::getline(in, line); ++number) {
-    if (number == 1 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, 3);
-    line = trimmed(withoutComment(line));
+  std::string prefix;
+  int number = 0;
+  for (const std::string_view whole : text::lines(content)) {
+    ++number;
+    const std::string line = trimmed(withoutComment(std::string(whole)));
     if (line.empty()) continue;
     const auto fail = [&](const std::string& cause) {
       throw UsageError(fmt::format("{}: line {}: {}", path, number, cause));
@@ -286,14 +287,17 @@ bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream&
   if (declared_->values["version"].as<bool>()) return out << versionText() << "\n", false;
   if (declared_->values.count("params")) {
     const std::string path = declared_->values["params"].as<std::string>();
-    std::ifstream in(path);
-    if (!in || std::filesystem::is_directory(path)) throw UsageError(path + ": cannot be read");
-    storeFrom(path, parametersIn(in, path, Unknown::refused));
+    std::string content;
+    try {
+      content = readText(path);
+    } catch (const IoError& e) {
+      throw UsageError(fmt::format("{}: cannot be read: {}", path, e.cause()));
+    }
+    storeFrom(path, parametersIn(content, path, Unknown::refused));
   }
   if (declared_->values.count("preset")) {
     const std::string name = declared_->values["preset"].as<std::string>();
-    std::istringstream text(presetText(name));
-    storeFrom("preset " + name, parametersIn(text, name, Unknown::skipped));
+    storeFrom("preset " + name, parametersIn(presetText(name), name, Unknown::skipped));
   }
   for (const Argument& argument : arguments_)
     if (argument.required && !declared_->values.count(argument.name))

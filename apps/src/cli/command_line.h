@@ -4,12 +4,12 @@
 #include <facetloc/features/params.h>
 
 #include <functional>
-#include <istream>
 #include <map>
 #include <memory>
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace boost::program_options {
@@ -166,7 +166,8 @@ private:
   std::vector<std::string> names() const;
   std::vector<std::string> spelledOut(const std::vector<std::string>& arguments) const;
   enum class Unknown { refused, skipped };
-  std::vector<std::string> parametersIn(std::istream& in, const std::string& path, Unknown unknown) const;
+  std::vector<std::string> parametersIn(std::string_view content, const std::string& path,
+                                        Unknown unknown) const;
   void storeFrom(const std::string& path, const std::vector<std::string>& arguments);
   void store(const std::vector<std::string>& arguments);
 

@@ -4,9 +4,9 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
-#include <fstream>
 #include <json/json.h>
 #include <ostream>
+#include <sstream>
 
 namespace facetloc {
 namespace {
@@ -51,7 +51,7 @@ void writeFindings(const std::filesystem::path& path, const Findings& findings) 
 }
 
 Findings readFindings(const std::filesystem::path& path) try {
-  std::ifstream in(path);
+  std::istringstream in(readText(path));
   Json::Value list;
   in >> list;
   Findings findings;

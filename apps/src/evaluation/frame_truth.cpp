@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
 #include <stdexcept>
 
 namespace facetloc {
@@ -30,13 +29,10 @@ constexpr const char* kUnmapped = "unmapped.txt";
 constexpr const char* kPoses = "groundtruth.txt";
 
 std::vector<std::string> linesOf(const fs::path& path) {
-  std::ifstream in(path);
-  if (!in) throw IoError(path.string(), "cannot be read");
+  const std::string content = readText(path);
   std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) {
-    line.erase(line.find_last_not_of(" \t\r") + 1);
-    lines.push_back(line);
-  }
+  for (const std::string_view line : text::lines(content))
+    lines.emplace_back(line.substr(0, line.find_last_not_of(text::kBlank) + 1));
   return lines;
 }
 

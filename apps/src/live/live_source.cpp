@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_source.h"
 
+#include "base/text.h"
 #include "live/file_player.h"
 #include "live/pclzf_folder.h"
 
@@ -117,9 +118,9 @@ bool isPlayed(const LiveSourceOptions& options) {
   const fs::path path = options.device;
   std::error_code ignored;
   if (V4l2Frames::reads(path)) return false;
-  if (path.extension() == ".scene" || !fs::exists(path, ignored)) return false;
+  if (text::lowerExtension(path) == ".scene" || !fs::exists(path, ignored)) return false;
   if (options.every_frame || DepthSequence::isOfMessages(path)) return true;
-  return fs::is_regular_file(path, ignored) && path.extension() != ".oni";
+  return fs::is_regular_file(path, ignored) && text::lowerExtension(path) != ".oni";
 }
 
 /** The camera given by --camera; without intrinsics for such a preset, empty for a map. */

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/pclzf_folder.h"
 
+#include "base/text.h"
+
 #include <facetloc/io/error.h>
 #include <facetloc/io/pclzf.h>
 
@@ -17,7 +19,8 @@ namespace fs = std::filesystem;
 constexpr const char* kExtension = ".pclzf";
 
 bool isDepth(const fs::path& file) {
-  return file.extension() == kExtension && file.filename().string().find("depth") != std::string::npos;
+  return text::lowerExtension(file) == kExtension &&
+         file.filename().string().find("depth") != std::string::npos;
 }
 
 /** frame_20121214T142255.814212_depth.pclzf; digits where the pattern has a 0. */
@@ -40,7 +43,7 @@ bool isPclzfFolder(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return false;
   for (const auto& entry : fs::directory_iterator(path, ignored))
-    if (entry.path().extension() == kExtension) return true;
+    if (text::lowerExtension(entry.path()) == kExtension) return true;
   return false;
 }
 
@@ -52,7 +55,7 @@ void requireSoundPclzfFolder(const fs::path& folder) {
       requireTime(file);
       requireSoundPclzf(file);
       ++images;
-    } else if (file.extension() == ".xml") {
+    } else if (text::lowerExtension(file) == ".xml") {
       requireTime(file.parent_path() / (file.stem().string() + "_"));
       readPclzfCamera(file, 1, 1);
       ++cameras;

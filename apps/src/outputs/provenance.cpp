@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <fmt/core.h>
 #include <fstream>
-#include <iterator>
 #include <libdeflate.h>
 #include <sstream>
 #include <system_error>
@@ -30,11 +29,6 @@ std::ifstream opened(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw IoError(path.string(), "cannot be read");
   return in;
-}
-
-std::string readText(const fs::path& path) {
-  std::ifstream in = opened(path);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 void writeText(const fs::path& path, const std::string& text) {

@@ -192,7 +192,7 @@ private:
     line(console, "camera", toString(first->camera));
     const auto& file = sequence.camera();
     if (!file) return line(console, "", "by the points of the clouds");
-    const bool is_png = sequence.frames().front().path.extension() == ".png";
+    const bool is_png = text::lowerExtension(sequence.frames().front().path) == ".png";
     const Camera& camera = file->camera;
     std::string words = is_png ? fmt::format("{:.6g} PNG values per metre", file->depth_scale) : "";
     const auto add = [&words](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "batch/batch.h"
 #include "cli/text.h"
 #include "cli/tools.h"
@@ -61,7 +62,7 @@ private:
       camera.camera.intrinsics = sequence.load(0).camera;
       camera.depth_scale = kFineScale;
     }
-    if (sequence.frames().front().path.extension() == ".pcd") camera.depth_scale = kFineScale;
+    if (text::lowerExtension(sequence.frames().front().path) == ".pcd") camera.depth_scale = kFineScale;
     camera.lens = {}, camera.depth_is = DepthKind::z;  // images that are read are a pinhole camera's
     if (scale_ > 0) camera.depth_scale = scale_;
     camera.y_axis_up = false;  // poses are written for a camera as all others

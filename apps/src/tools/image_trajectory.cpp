@@ -5,6 +5,7 @@
 #include "cli/text.h"
 #include "inputs/robot_line.h"
 
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
 #include <algorithm>
@@ -21,19 +22,20 @@ namespace {
 bool holdsJson(const std::string& file) {
   std::ifstream in(file);
   char first = 0;
-  return in >> first && first == '{';
+  while (in >> first && (first == 0 || (first & 0x80) != 0)) {  // bytes of a mark
+  }
+  return first == '{';
 }
 
 std::vector<StampedPose> readLines(const std::string& file, const std::optional<CameraMounting>& mounting) {
-  std::ifstream in(file);
-  if (!in) throw IoError(file, "cannot be opened");
+  const std::string content = readText(file);
   std::vector<StampedPose> poses;
   int number = 0;
-  for (std::string line; std::getline(in, line);) {
+  for (const std::string_view line : text::lines(content)) {
     ++number;
     if (text::trimmed(line).empty()) continue;
     try {
-      const OdometryLine odometry = parseOdometry(line, mounting);
+      const OdometryLine odometry = parseOdometry(std::string(line), mounting);
       if (!odometry.stamp)
         throw std::invalid_argument("it has no stamp, which odometry of a recording needs");
       poses.push_back({*odometry.stamp, odometry.T_o_c});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "cli/progress.h"
 #include "cli/text.h"
 #include "cli/tools.h"
@@ -73,7 +74,8 @@ private:
       const DepthImage image = source.load(0);
       const fs::path& path = source.frames()[0].path;
       writeCloud(aligned_, image, T_target_source,
-                 path.extension() == ".pcd" ? readColours(path, image) : std::vector<PointColour>());
+                 text::lowerExtension(path) == ".pcd" ? readColours(path, image)
+                                                      : std::vector<PointColour>());
       return;
     }
     std::vector<Segment> moved = source.segments(0);
@@ -83,7 +85,7 @@ private:
 
   int execute(const CommandLine& line, const Console& console) override {
     if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
-    if (!aligned_.empty() && fs::path(aligned_).extension() != ".pcd")
+    if (!aligned_.empty() && text::lowerExtension(aligned_) != ".pcd")
       throw UsageError("aligned points are a PCD file: --aligned " + aligned_);
     for (const std::string& input : {source_, target_})
       if (std::error_code ignored; fs::equivalent(input, aligned_, ignored))

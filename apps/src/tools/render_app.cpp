@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool isMap(const fs::path& path) { return path.extension() == ".flmap"; }
+bool isMap(const fs::path& path) { return text::lowerExtension(path) == ".flmap"; }
 
 std::optional<std::size_t> find(const DepthSequence& sequence, const std::string& name) {
   const auto& frames = sequence.frames();
@@ -100,7 +100,7 @@ std::vector<std::size_t> imagesOfStrip(const std::vector<DrawnBelief>& beliefs, 
 }
 
 void requirePng(const fs::path& output) {
-  if (output.extension() != ".png")
+  if (text::lowerExtension(output) != ".png")
     throw UsageError("pictures are PNG files, and pages HTML: -o " + output.string());
 }
 
@@ -182,7 +182,7 @@ private:
 
     const bool to_folder =
         chosen.size() > 1 || fs::is_directory(output_) || !fs::path(output_).has_extension();
-    if (to_folder && fs::path(output_).extension() == ".png")
+    if (to_folder && text::lowerExtension(output_) == ".png")
       throw UsageError(fmt::format("{} has several images: -o names a folder, or use --frame", input_));
     if (!to_folder) requirePng(output_);
     if (to_folder) createFolders(output_);
@@ -336,7 +336,7 @@ private:
     if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
     if (most_ < 1) throw UsageError("most must be positive");
     if (!fs::exists(input_)) throw IoError(input_, "does not exist");
-    if (fs::path(output_).extension() == ".html") {
+    if (text::lowerExtension(output_) == ".html") {
       if (isMap(input_)) return renderMapPage(console);
       if (!isResultsFolder(input_))
         throw UsageError("pages are of maps and of results: " + input_ + " is neither");
@@ -346,7 +346,7 @@ private:
     if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
     if (isMap(input_)) return renderMap(console);
     if (!isResultsFolder(input_)) return renderImages(line, console);
-    return fs::path(output_).extension() == ".png" ? renderBeliefs(console) : renderFailures(line, console);
+    return text::lowerExtension(output_) == ".png" ? renderBeliefs(console) : renderFailures(line, console);
   }
 
   std::string input_, output_, map_, frame_, trajectory_, marks_, sequence_;

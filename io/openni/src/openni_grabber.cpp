@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "devices/openni_handle.h"
 
 #include <facetloc/io/error.h>
@@ -35,7 +36,7 @@ constexpr int kLastWaits = 5;  // so often, after a recording has ended: its las
 constexpr auto kPlayerPause = 30ms;  // libOniFile walks its streams without a lock, every 10 ms
 constexpr std::size_t kLongestUri = ONI_MAX_STR - 1;
 
-bool isRecording(const fs::path& path) { return path.extension() == ".oni"; }
+bool isRecording(const fs::path& path) { return text::lowerExtension(path) == ".oni"; }
 
 /** PCL and OpenNI2 put places in the source and their attempts in front of, and behind, the cause.
  */
@@ -60,7 +61,7 @@ bool meansFile(const std::string& device_id) {
   const fs::path path(device_id);
   const bool device = device_id.front() == '#' || device_id.find('@') != std::string::npos ||
                       device_id.find("://") != std::string::npos;
-  return !device || path.is_absolute() || isRecording(path) || path.extension() == ".scene";
+  return !device || path.is_absolute() || isRecording(path) || text::lowerExtension(path) == ".scene";
 }
 
 /** OpenNI2's player crashes or blocks on any other recording. */

@@ -26,15 +26,23 @@ namespace facetloc::files {
 /** \brief Why the last call of the C library failed. */
 inline std::string lastError() { return std::generic_category().message(errno); }
 
-/** \brief Does a clone of a repository have a few lines of Git LFS in place of the file? */
-inline bool isPointer(const std::filesystem::path& path, const std::filesystem::file_status& status) {
-  constexpr std::uintmax_t kLargest = 1024;  // bytes, by the specification
+/** \brief Throws IoError if a clone of a repository has a pointer of Git LFS or git-annex, a link or a few
+ * lines of text, in place of the file. */
+inline void requireNoPointer(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kLargest = 32768;  // bytes, by the specifications
   std::error_code error;
-  if (!std::filesystem::is_regular_file(status) || std::filesystem::file_size(path, error) >= kLargest)
-    return false;
-  std::array<char, 27> begin{};
-  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
-  return std::string_view(begin.data(), begin.size()) == "version https://git-lfs.git";
+  std::string begin;
+  if (std::filesystem::is_symlink(path, error) && !std::filesystem::exists(path, error)) {
+    begin = std::filesystem::read_symlink(path, error).string();
+  } else if (std::filesystem::is_regular_file(path, error) &&
+             std::filesystem::file_size(path, error) < kLargest) {
+    begin.resize(27);
+    std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  }
+  if (begin == "version https://git-lfs.git")
+    throw IoError(path.string(), "is a pointer of Git LFS, not the file itself: git lfs pull fetches it");
+  if (begin.rfind("/annex/objects/", 0) == 0 || begin.find(".git/annex/objects/") != std::string::npos)
+    throw IoError(path.string(), "is a pointer of git-annex, not the file itself: git annex get fetches it");
 }
 
 /** \brief Throws IoError unless path is a file that can be there to be read from its beginning to its end, or
@@ -42,12 +50,11 @@ inline bool isPointer(const std::filesystem::path& path, const std::filesystem::
 inline void requireFile(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
+  requireNoPointer(path);
   if (!std::filesystem::exists(status)) throw IoError(path.string(), "does not exist");
   if (std::filesystem::is_directory(status)) throw IoError(path.string(), "is a folder, not a file");
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status))
     throw IoError(path.string(), "is a device or a socket, not a file");
-  if (isPointer(path, status))
-    throw IoError(path.string(), "is a pointer of Git LFS, not the file itself: git lfs pull fetches it");
 }
 
 /** \brief Throws IoError unless any place of the file can be read at any time: a pipe will not do. */
@@ -135,14 +142,21 @@ inline std::string readBytes(const std::filesystem::path& path) {
   return bytes;
 }
 
-/** \brief A whole text file as UTF-8, without the byte order mark that some editors put in front; UTF-16 is
- * known by its mark. */
+/** \brief Text as UTF-8, without the byte order mark that some editors put in front; UTF-16 is known by its
+ * mark. Bytes without a mark are left alone. */
+inline std::string asUtf8(std::string bytes) {
+  if (bytes.rfind("\xEF\xBB\xBF", 0) == 0) return bytes.erase(0, 3);
+  const bool little = bytes.rfind("\xFF\xFE", 0) == 0, big = bytes.rfind("\xFE\xFF", 0) == 0;
+  return little || big ? fromUtf16(std::string_view(bytes).substr(2), big) : bytes;
+}
+
+/** \brief A whole text file as UTF-8 (asUtf8()), in which lines end with "\n" or "\r\n". UTF-16 without a
+ * mark is known by its first two characters. */
 inline std::string readText(const std::filesystem::path& path) {
-  std::string text = readBytes(path);
-  constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
-  const bool little = text.rfind("\xFF\xFE", 0) == 0, big = text.rfind("\xFE\xFF", 0) == 0;
-  if (little || big) return fromUtf16(std::string_view(text).substr(2), big);
+  std::string text = asUtf8(readBytes(path));
+  const auto zeros = [&text](std::size_t i) { return text.size() > 3 ? !text[i] + !text[i + 2] : 1; };
+  if (zeros(0) + zeros(1) == 2 && zeros(0) != 1) text = fromUtf16(text, zeros(0) == 2);
+  if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
   return text;
 }
 
@@ -187,10 +201,7 @@ inline bool endsWith(const std::string& name, const std::string& ending) {
   return name.size() >= ending.size() &&
          name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
 }
-/** \brief ".png" of a.PNG. */
-inline std::string lowerExtension(const std::filesystem::path& path) {
-  return text::lower(path.extension().string());
-}
+using text::lowerExtension;
 inline bool isPng(const std::filesystem::path& path) { return lowerExtension(path) == ".png"; }
 
 /** \brief Adds a sentence, behind a semicolon, unless it is empty. */

@@ -87,6 +87,8 @@ files::Descriptor locked(const fs::path& path, int flags) {
 
 }  // namespace
 
+std::string readText(const fs::path& path) { return files::readText(path); }
+
 void createFolders(const std::filesystem::path& folder) {
   std::error_code error, ignored;
   std::filesystem::create_directories(folder, error);

@@ -87,12 +87,13 @@ private:
 using Corner = std::array<float, 3>;
 constexpr std::size_t kHeader = 84, kTriangle = 50;  // bytes of a binary file
 
-// Programs begin the header of binary files with "solid" as well.
+// Programs begin the header of binary files with "solid" as well. Names have letters beyond ASCII.
 bool isText(std::string_view bytes) {
   constexpr std::size_t kLooked = 1 << 16;
   const std::string_view begin = bytes.substr(0, kLooked);
-  return begin.substr(0, 5) == "solid" && std::all_of(begin.begin(), begin.end(), [](char c) {
-           return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r';
+  return text::lower(std::string(begin.substr(0, 5))) == "solid" &&
+         std::all_of(begin.begin(), begin.end(), [](unsigned char c) {
+           return (c >= ' ' && c != 0x7F) || c == '\t' || c == '\n' || c == '\r';
          });
 }
 
@@ -181,7 +182,7 @@ pcl::PolygonMesh readObj(const std::filesystem::path& path) {
 }
 
 pcl::PolygonMesh readStl(const std::filesystem::path& path) {
-  const std::string bytes = files::readBytes(path);
+  const std::string bytes = files::asUtf8(files::readBytes(path));
   return isText(bytes) ? readText(path, bytes) : readBinary(path, bytes);
 }
 

@@ -194,15 +194,21 @@ private:
 
   void parse(std::string_view start) {
     const auto* next = std::begin(kOrder);
+    if (start.rfind("\xFF\xFE", 0) == 0 || start.rfind("\xFE\xFF", 0) == 0)
+      fail("is in UTF-16: save it as UTF-8 (ascii)");
+    if (start.rfind("\xEF\xBB\xBF", 0) == 0) start.remove_prefix(header_.data_offset = 3);
     while (!start.empty()) {
       const std::size_t length = std::min(start.find('\n'), start.size() - 1) + 1;
-      const Words words = text::words(start.substr(0, length));
+      Words words = text::words(start.substr(0, length));
       start.remove_prefix(length);
       header_.data_offset += length;
       if (words.empty() || words[0].front() == '#') continue;
-      const auto* key = std::find(next, std::end(kOrder), words[0]);
+      const auto* key = std::find_if(next, std::end(kOrder), [&words](std::string_view known) {
+        return text::lower(std::string(known)) == text::lower(std::string(words[0]));
+      });
       if (key == std::end(kOrder)) fail("is not a PCD file, or its header is corrupt");
       next = key + 1;
+      words[0] = *key;
       store(words);
       if (*key == "DATA") return;
     }
@@ -218,7 +224,7 @@ private:
     if (words[0] == "HEIGHT") height_ = number(words);
     if (words[0] == "VIEWPOINT") header_.viewpoint = sevenIn(words);
     if (words[0] == "POINTS") points_ = number(words);
-    if (words[0] == "DATA") header_.encoding = words.size() == 2 ? words[1] : "";
+    if (words[0] == "DATA") header_.encoding = words.size() == 2 ? text::lower(std::string(words[1])) : "";
   }
 
   std::vector<std::uint64_t> numbers(const Words& words) const {

@@ -90,7 +90,8 @@ PlyProperty propertyOf(const std::vector<std::string_view>& words, const std::st
 
 /** \return false after the last line. */
 bool take(std::string_view line, const std::string& path, PlyHeader& header) {
-  const std::vector<std::string_view> words = text::words(line);
+  const std::string folded = text::lower(std::string(line));
+  const std::vector<std::string_view> words = text::words(folded);
   if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return true;
   if (words[0] == "end_header") return false;
   if (words[0] == "format" && words.size() == 3)
@@ -116,11 +117,14 @@ std::uint64_t leastBytes(const PlyHeader& header) {
 }
 
 PlyHeader::PlyHeader(std::string_view bytes, const std::string& path) {
-  if (text::trimmed(bytes.substr(0, bytes.find('\n'))) != "ply")
+  constexpr std::size_t kFirst = 3;  // bytes
+  const std::string_view line_ends = bytes.substr(0, bytes.find_first_not_of(" \t\r\n", kFirst));
+  const char newline = line_ends.find('\n') == std::string_view::npos ? '\r' : '\n';
+  std::size_t at = bytes.find(newline);
+  if (text::lower(std::string(text::trimmed(bytes.substr(0, at)))) != "ply")
     throw IoError(path, "is no PLY file: its first line is not 'ply'");
-  std::size_t at = bytes.find('\n');
   for (bool more = true; more;) {
-    const std::size_t line_end = at == std::string_view::npos ? at : bytes.find('\n', at + 1);
+    const std::size_t line_end = at == std::string_view::npos ? at : bytes.find(newline, at + 1);
     if (line_end == std::string_view::npos) throw IoError(path, "has no end of its PLY header");
     more = take(text::trimmed(bytes.substr(at + 1, line_end - at - 1)), path, *this);
     at = line_end;
@@ -285,7 +289,7 @@ std::string faces(const std::vector<pcl::Vertices>& polygons) {
 
 pcl::PolygonMesh readPly(const std::filesystem::path& path) {
   files::requireRegularFile(path);
-  const std::string bytes = files::readBytes(path), name = path.string();
+  const std::string bytes = files::asUtf8(files::readBytes(path)), name = path.string();
   const PlyHeader header(bytes, name);
   PlyNumbers numbers(std::string_view(bytes).substr(header.end), header.encoding, name);
   PlyReader reader(name);

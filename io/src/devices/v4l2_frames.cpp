@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Video4Linux2, by the kernel's header alone.
+#include "base/text.h"
 #include "bytes/files.h"
 
 #include <facetloc/features/camera_presets.h>
@@ -306,7 +307,7 @@ V4l2Frames::~V4l2Frames() = default;
 
 bool V4l2Frames::reads(const fs::path& path) {
   std::error_code ignored;
-  return fs::is_character_file(path, ignored) || (isFile(path) && path.extension() == kFileEnding);
+  return fs::is_character_file(path, ignored) || (isFile(path) && text::lowerExtension(path) == kFileEnding);
 }
 
 bool V4l2Frames::atEnd() const { return buffers_->atEnd(); }

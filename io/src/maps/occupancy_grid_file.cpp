@@ -218,7 +218,8 @@ void writeOccupancyGrid(const fs::path& yaml, const OccupancyGrid& grid) {
 }
 
 fs::path occupancyGridPath(const fs::path& name) {
-  if (name.extension() == ".yaml" || name.extension() == ".yml") return name;
+  const std::string extension = text::lowerExtension(name);
+  if (extension == ".yaml" || extension == ".yml") return name;
   std::error_code error;
   if (!name.has_filename() || fs::is_directory(name, error)) return name / "map.yaml";
   return fs::path(name) += ".yaml";

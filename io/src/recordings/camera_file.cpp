@@ -121,7 +121,7 @@ public:
   CameraFile parse(std::string_view content) {
     for (const std::string_view line : text::lines(content)) {
       ++line_;
-      parseLine(spaced(text::withoutComment(line)));
+      parseLine(text::lower(spaced(text::withoutComment(line))));
     }
     return cameraFile();
   }

@@ -9,6 +9,10 @@
 
 namespace facetloc {
 
+/** \brief A whole text file as UTF-8, without a byte order mark; its lines end with "\n" or "\r\n". Throws
+ * IoError, also for a folder, a device, or a pointer in place of a large file. */
+std::string readText(const std::filesystem::path& path);
+
 /** \brief Creates a folder and those above it, if they are not there. Throws IoError. */
 void createFolders(const std::filesystem::path& folder);
 
