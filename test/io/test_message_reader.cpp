@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "recordings/depth_messages.h"
 #include "recordings/ros_messages.h"
+
+#include <facetloc/io/error.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -91,6 +94,40 @@ TEST(MessageReader, AnyBytesAreAMessageOrRefused) {
       readAny<ImuMessage>(bytes, format);
     }
   }
+}
+
+TEST(DepthMessages, MayBeBigEndianAndOtherEncodingsAreNamed) {
+  const std::uint8_t thousand[] = {0x03, 0xE8};
+  ImageMessage image;
+  image.width = image.height = 1, image.step = 2;
+  image.big_endian = true;
+  image.data = {thousand, sizeof thousand};
+  image.encoding = "16UC1";
+  EXPECT_EQ(readDepth(image, "an image").numbers, std::vector<std::uint16_t>{1000});
+  image.encoding = "bgr8";
+  try {
+    readDepth(image, "an image");
+    FAIL() << "colours are no depth";
+  } catch (const IoError& e) {
+    EXPECT_NE(e.cause().find("'bgr8'"), std::string::npos);
+    EXPECT_NE(e.cause().find("16UC1"), std::string::npos);
+  }
+}
+
+TEST(CameraInfo, IsReducedToTheRegionAndTheBinsOfTheImages) {
+  CameraInfoMessage info;
+  info.width = 640, info.height = 480;
+  info.K = {500, 0, 320, 0, 510, 240, 0, 0, 1};
+  info.P = {490, 0, 318, 0, 0, 494, 236, 0, 0, 0, 1, 0};
+  EXPECT_FALSE(info.isReduced());
+  info.roi = {100, 40, 400, 480};
+  info.binning = {2, 4};
+  EXPECT_TRUE(info.isReduced());
+  const CameraInfoMessage own = info.ofImage();
+  EXPECT_EQ(own.width, 240u);
+  EXPECT_EQ(own.height, 100u);
+  EXPECT_EQ(own.K, (std::array<double, 9>{250, 0, 110, 0, 127.5, 50, 0, 0, 1}));
+  EXPECT_EQ(own.P, (std::array<double, 12>{245, 0, 109, 0, 0, 123.5, 49, 0, 0, 0, 1, 0}));
 }
 
 }  // namespace

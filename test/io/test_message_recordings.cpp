@@ -142,8 +142,9 @@ TEST_F(MessageRecordings, ATopicCanBeNamedAndOthersAreListed) {
   hints.camera = folder_ / "sequence" / "camera.ini";
   EXPECT_EQ(DepthSequence::open(file, hints).frames().size(), 3u);
   hints.topic = "/camera/color/image_raw";
-  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(file, hints); }),
-              HasAll("/camera/color/image_raw", "/camera/depth/image_raw (6)"));
+  EXPECT_THAT(
+      ioErrorOf([&] { DepthSequence::open(file, hints); }),
+      HasAll("/camera/color/image_raw is of mono8", "/camera/depth/image_raw (6)", "16UC1, mono16 or 32FC1"));
 }
 
 TEST_F(MessageRecordings, TheirCameraIsNextToTheImagesOrOfTheirFrame) {
@@ -156,12 +157,22 @@ TEST_F(MessageRecordings, TheirCameraIsNextToTheImagesOrOfTheirFrame) {
   }
 }
 
+TEST_F(MessageRecordings, TheirCameraIsThatPartOfTheSensorThatTheImagesShow) {
+  for (const char* words : {"db3 binned", "mcap binned png", "db3 binned other_info"}) {
+    const DepthSequence read = DepthSequence::open(recording(words));
+    EXPECT_EQ(read.load(0).camera, example_.camera) << words;
+    EXPECT_THAT(read.remark(), HasSubstr("binning")) << words;
+  }
+}
+
 TEST_F(MessageRecordings, AFolderOfThemHasTheFilesOfItsMetadata) {
   const fs::path folder = recording("db3 split");
   const fs::path second = folder / (folder.filename().string() + "_1.db3");
   EXPECT_EQ(DepthSequence::open(folder).frames().back().path, second);
   fs::rename(second, folder / "aside");
-  EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }), HasAll("_1.db3", "ros2 bag reindex"));
+  const DepthSequence half = DepthSequence::open(folder);
+  EXPECT_LT(half.frames().size(), 6u);
+  EXPECT_THAT(half.remark(), HasAll("_1.db3", "not there", "ros2 bag reindex"));
   fs::rename(folder / (folder.filename().string() + "_0.db3"), folder / "renamed.db3");
   EXPECT_EQ(DepthSequence::open(folder).frames().front().path, folder / "renamed.db3");
   putBytes(folder / "metadata.yaml",
@@ -169,6 +180,7 @@ TEST_F(MessageRecordings, AFolderOfThemHasTheFilesOfItsMetadata) {
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder); }), HasSubstr("zstd -d"));
   fs::remove(folder / "metadata.yaml");
   EXPECT_LT(DepthSequence::open(folder).frames().size(), 6u) << "without a list, all that is there";
+  EXPECT_THAT(DepthSequence::open(folder).remark(), HasSubstr("has no metadata.yaml"));
   fs::copy_file(recording("db3"), folder_ / "sequence" / "walk.db3");
   EXPECT_EQ(DepthSequence::open(folder_ / "sequence").frames()[0].path.extension(), ".png")
       << "images of a folder go before other files in it";

@@ -255,7 +255,11 @@ TEST_F(ModelFile, NamesWhatStandsInPlaceOfAModel) {
   EXPECT_THAT(refusal(write("b.ply", "/annex/objects/SHA256E-s9--7.ply\n")), HasSubstr("git annex get"));
   fs::create_symlink(".git/annex/objects/a/b/SHA256E-s9--7.ply/SHA256E-s9--7.ply", folder_ / "c.ply");
   EXPECT_THAT(refusal(folder_ / "c.ply"), HasSubstr("git annex get"));
-  EXPECT_THAT(refusal(write("plan.pgm", "P5 1 1 255 a")), HasSubstr(".yaml"));
+  EXPECT_THAT(refusal(write("plan.pgm", "P5 1 1 255 a")),
+              AllOf(HasSubstr("plan.yaml"), HasSubstr("\n  image: plan.pgm\n  resolution: 0.05"),
+                    HasSubstr("\n  free_thresh: 0.196")));
+  write("plan.yaml", "image: plan.pgm\n");
+  EXPECT_THAT(refusal(folder_ / "plan.pgm"), HasSubstr("name its plan.yaml"));
   expectRoof(
       readModel(write("marked.obj", "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 -1 1\nf 1 2 3\nf 1 4 2\n")));
 }

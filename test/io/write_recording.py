@@ -18,6 +18,7 @@ missing. CONTAINER is db3, mcap or rtabmap. Words, of all of which the last one 
     imu=FRAME imu_tf                 an IMU at rest in this frame, which tf has turned beside the camera
     camera_tf                        tf has the camera on the robot
     no_info other_info               no CameraInfo; one of another name with the frame of the images
+    binned                           CameraInfo is of a sensor of which the images are a part, two by two pixels binned
     again late                       an image is there twice; one is written after the next
     two_topics                       a second topic of depth images, with fewer
     no_graph                         rtabmap: no optimised graph
@@ -158,10 +159,14 @@ def image_message(stamp, values):
 
 
 def info_message(stamp):
-    message = Cdr().header(stamp, CAMERA).put("I", height, width).text("plumb_bob")
+    n, x, y = (2, 16, 32) if "binned" in words else (1, 0, 0)
+    k = [n * fx, n * cx + x, n * fy, n * cy + y]
+    message = Cdr().header(stamp, CAMERA).put("I", n * height + y, n * width + x).text("plumb_bob")
     message.put("I", 5).put("d", *[0.0] * 5)
-    message.put("d", fx, 0, cx, 0, fy, cy, 0, 0, 1).put("d", 1, 0, 0, 0, 1, 0, 0, 0, 1)
-    return message.put("d", fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0).put("I", 0, 0, 0, 0, 0, 0).put("B", 0)
+    message.put("d", k[0], 0, k[1], 0, k[2], k[3], 0, 0, 1).put("d", 1, 0, 0, 0, 1, 0, 0, 0, 1)
+    message.put("d", k[0], 0, k[1], 0, 0, k[2], k[3], 0, 0, 0, 1, 0)
+    region = (x, y, n * height, n * width) if n > 1 else (0, 0, 0, 0)
+    return message.put("I", n if n > 1 else 0, n if n > 1 else 0, *region).put("B", 0)
 
 
 def transforms(*all_of_them):

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <fmt/format.h>
 #include <stdexcept>
 #include <string>
 
@@ -41,6 +42,20 @@ pcl::PCLPointCloud2 pointsOf(const pcl::PCLPointCloud2& cloud, double factor, co
   return out;
 }
 
+/** The .yaml beside the image of a plan, or the lines to write into one. */
+std::string adviceOnPlan(const fs::path& image) {
+  const fs::path yaml = fs::path(image).replace_extension(".yaml");
+  std::error_code ignored;
+  if (fs::exists(yaml, ignored))
+    return fmt::format("is an image: of a floor plan, name its {}", yaml.filename().string());
+  return fmt::format(
+      "is an image: of a floor plan, write the file {} with these lines, the second and third in metres, and "
+      "name it\n  image: {}\n  resolution: 0.05    # side of a pixel\n  origin: [0, 0, 0]   # x, y of its "
+      "lower "
+      "left corner, yaw\n  negate: 0\n  occupied_thresh: 0.65\n  free_thresh: 0.196",
+      yaml.string(), image.filename().string());
+}
+
 pcl::PolygonMesh readAny(const fs::path& path) {
   const std::string kind = internal::lowerExtension(path);
   files::requireRegularFile(path);
@@ -48,9 +63,7 @@ pcl::PolygonMesh readAny(const fs::path& path) {
   if (kind == ".ply") return readPly(path);
   if (kind == ".obj") return readObj(path);
   if (kind == ".stl") return readStl(path);
-  if (kind == ".pgm" || kind == ".png" || kind == ".bmp")
-    throw IoError(path.string(),
-                  "is an image: of a floor plan, name the .yaml with its image, resolution and origin");
+  if (kind == ".pgm" || kind == ".png" || kind == ".bmp") throw IoError(path.string(), adviceOnPlan(path));
   if (kind != ".pcd")
     throw IoError(path.string(), "is no model that can be read: .ply, .obj, .stl and .pcd can");
   pcl::PolygonMesh cloud;

@@ -4,6 +4,9 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/png.h>
 
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -38,6 +41,17 @@ std::vector<float> metresOf(const std::vector<std::uint16_t>& values, double sca
 constexpr std::uint64_t kMostPixels = 1ull << 26;
 /** \brief Throws IoError for an image without pixels, or with more than any has. */
 void requireSize(const std::string& source, std::uint64_t width, std::uint64_t height);
+
+/** \brief A number of a file in the order of bytes of this machine, which is little-endian. */
+template <typename T>
+T numberAt(const char* bytes, bool big_endian) {
+  std::array<char, sizeof(T)> ordered;
+  std::copy(bytes, bytes + sizeof(T), ordered.begin());
+  if (big_endian) std::reverse(ordered.begin(), ordered.end());
+  T value;
+  std::memcpy(&value, ordered.data(), sizeof value);
+  return value;
+}
 
 /** \brief Endings of such files, for messages: ".png, .pclzf, ...". */
 std::string depthFileEndings();

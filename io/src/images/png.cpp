@@ -111,10 +111,12 @@ void requireSignature(std::FILE* file, const std::string& path) {
 
 void requireGrey(const Header& h, int min_bits, const std::string& path) {
   if (h.colour != PNG_COLOR_TYPE_GRAY)
-    throw IoError(path, fmt::format("is not a greyscale PNG but one of type {}",
-                                    h.colour == PNG_COLOR_TYPE_PALETTE      ? "palette"
-                                    : h.colour == PNG_COLOR_TYPE_GRAY_ALPHA ? "grey with alpha"
-                                                                            : "colour"));
+    throw IoError(path,
+                  fmt::format("is not a greyscale PNG of {} bits, which alone is read, but one of type {}",
+                              min_bits,
+                              h.colour == PNG_COLOR_TYPE_PALETTE      ? "palette"
+                              : h.colour == PNG_COLOR_TYPE_GRAY_ALPHA ? "grey with alpha"
+                                                                      : "colour"));
   if (h.bits < min_bits) throw IoError(path, fmt::format("has {} bits per pixel, not {}", h.bits, min_bits));
 }
 

@@ -26,17 +26,6 @@ std::string bytesOf(const fs::path& path) {
   return bytes;
 }
 
-/** A number of the file in the order of bytes of this machine, which is little-endian. */
-template <typename T>
-T numberAt(const char* bytes, bool big_endian) {
-  std::array<char, sizeof(T)> ordered;
-  std::copy(bytes, bytes + sizeof(T), ordered.begin());
-  if (big_endian) std::reverse(ordered.begin(), ordered.end());
-  T value;
-  std::memcpy(&value, ordered.data(), sizeof value);
-  return value;
-}
-
 float halfAt(const char* bytes, bool big_endian) {
   constexpr int kMantissa = 10, kBias = 15, kLargest = 31;
   const auto bits = numberAt<std::uint16_t>(bytes, big_endian);

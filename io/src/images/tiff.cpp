@@ -52,7 +52,8 @@ public:
                kind = field<std::uint16_t>(TIFFTAG_SAMPLEFORMAT);
     requireSize(path_, width, height);
     if (field<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL) != 1)
-      throw IoError(path_, "has several channels, not one");
+      throw IoError(
+          path_, "has several channels; one channel of 16 bits, or of 32 or 64 of floating point, is read");
     if (TIFFIsTiled(file_.get()))
       throw IoError(path_, "is made of tiles, which are not read; of strips it is: tiffcp -s IN.tif OUT.tif");
     StoredDepth values{static_cast<int>(width), static_cast<int>(height), {}, {}};

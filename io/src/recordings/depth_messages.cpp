@@ -23,13 +23,6 @@ std::size_t pixelSize(const std::string& encoding) {
   return encoding == kFloat ? sizeof(float) : 0;
 }
 
-template <typename Value>
-Value valueAt(const std::uint8_t* bytes) {
-  Value value;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
-}
-
 float measured(float z) { return std::isfinite(z) && z > 0 ? z : 0; }
 
 StoredDepth readPngValues(ByteView bytes, const std::string& name) {
@@ -113,8 +106,8 @@ bool isDepth(const CompressedImageMessage& image) {
 StoredDepth readDepth(const ImageMessage& image, const std::string& name) {
   constexpr std::uint32_t kLargestSide = 65535;
   const std::size_t pixel = pixelSize(image.encoding);
-  if (pixel == 0) throw IoError(name, "is of the encoding " + text::quoted(image.encoding));
-  if (image.big_endian) throw IoError(name, "is big-endian");
+  if (pixel == 0)
+    throw IoError(name, fmt::format("is of the encoding '{}'; {}", image.encoding, kDepthEncodings));
   const std::uint32_t width = image.width, height = image.height;
   if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide ||
       image.step < width * pixel || image.data.size < std::size_t(image.step) * height)
@@ -122,21 +115,25 @@ StoredDepth readDepth(const ImageMessage& image, const std::string& name) {
   StoredDepth values{static_cast<int>(width), static_cast<int>(height), {}, {}};
   for (std::uint32_t v = 0; v < height; ++v)
     for (std::uint32_t u = 0; u < width; ++u) {
-      const std::uint8_t* bytes = image.data.data + std::size_t(v) * image.step + u * pixel;
+      const auto* bytes =
+          reinterpret_cast<const char*>(image.data.data) + std::size_t(v) * image.step + u * pixel;
       if (pixel == sizeof(float))
-        values.metres.push_back(measured(valueAt<float>(bytes)));
+        values.metres.push_back(measured(numberAt<float>(bytes, image.big_endian)));
       else
-        values.numbers.push_back(valueAt<std::uint16_t>(bytes));
+        values.numbers.push_back(numberAt<std::uint16_t>(bytes, image.big_endian));
     }
   return values;
 }
 
 StoredDepth readDepth(const CompressedImageMessage& image, const std::string& name) {
-  if (!isDepth(image)) throw IoError(name, "is of the format " + text::quoted(image.format));
+  if (!isDepth(image))
+    throw IoError(name, fmt::format("is of the format '{}'; {}", image.format, kDepthEncodings));
   if (isPngData(image.data)) return readPngValues(image.data, name);  // some writers leave out the head
   constexpr std::size_t kHead = 12;
   if (image.data.size <= kHead) throw IoError(name, "is corrupt: it is too short for compressedDepth");
-  const float a = valueAt<float>(image.data.data + 4), b = valueAt<float>(image.data.data + 8);
+  MessageReader head(image.data, WireFormat::ros1);
+  head.skip<std::uint32_t>(1);
+  const auto a = head.number<float>(), b = head.number<float>();
   const ByteView code{image.data.data + kHead, image.data.size - kHead};
   StoredDepth values = has(image.format, "rvl") ? readRvl(code, name) : readPngValues(code, name);
   if (!has(image.format, kFloat)) return values;

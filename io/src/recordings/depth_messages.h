@@ -15,6 +15,11 @@
 
 namespace facetloc::internal {
 
+/** \brief The encodings that are read, for messages. */
+constexpr const char* kDepthEncodings =
+    "depth is read from sensor_msgs/Image of 16UC1, mono16 or 32FC1, and from "
+    "CompressedImage of compressedDepth or PNG of 16 bits";
+
 /** \brief Is it depth: 16UC1, mono16 or 32FC1? */
 bool isDepth(const ImageMessage& image);
 /** \brief Is it the format compressedDepth of image_transport, or a grey PNG of 16 bits? */

@@ -54,6 +54,35 @@ std::vector<fs::path> listedIn(const fs::path& metadata) {
   return listed;
 }
 
+/** The file itself; of a folder, those that its metadata.yaml lists, or else all that are there, with a
+ * remark. */
+std::vector<fs::path> messageFilesOf(const fs::path& path, std::string& remark) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {path};
+  const bool has_list = isRosbag2(path);
+  const std::vector<fs::path> listed = has_list ? listedIn(path / kMetadata) : std::vector<fs::path>();
+  std::string missing;
+  for (const fs::path& file : listed) {
+    if (!kindOf(file))
+      throw IoError(file.string(),
+                    "is listed in metadata.yaml and of a kind that is not read; a file that is "
+                    "compressed as a whole has to be unpacked first: zstd -d");
+    if (!fs::exists(file, ignored)) missing += (missing.empty() ? "" : ", ") + file.filename().string();
+  }
+  if (!listed.empty() && missing.empty()) return listed;
+  std::vector<fs::path> there = filesIn(path);
+  const auto isOfRos1 = [](const fs::path& file) { return lowerExtension(file) == ".bag"; };
+  if (has_list || !std::all_of(there.begin(), there.end(), isOfRos1))
+    remark = fmt::format("{}: {}: the files of messages that are there are read ({}); 'ros2 bag reindex {}' "
+                         "lists them",
+                         path.string(),
+                         !has_list         ? "has no metadata.yaml"
+                         : missing.empty() ? "its metadata.yaml lists no files"
+                                           : "its metadata.yaml names files that are not there, " + missing,
+                         there.size(), path.string());
+  return there;
+}
+
 }  // namespace
 
 std::size_t MessageFile::topicOf(const std::string& name, const std::string& type, WireFormat format) {
@@ -92,31 +121,12 @@ bool isMessageRecording(const fs::path& path) {
   return !filesIn(path).empty() && imagesOfFolder(folderOfImages(path)).empty();
 }
 
-std::vector<fs::path> messageFilesOf(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return {path};
-  std::vector<fs::path> listed;
-  if (isRosbag2(path)) listed = listedIn(path / kMetadata);
-  const auto exists = [&ignored](const fs::path& file) { return fs::exists(file, ignored); };
-  for (const fs::path& file : listed)
-    if (!kindOf(file))
-      throw IoError(file.string(),
-                    "is listed in metadata.yaml and of a kind that is not read; a file that is "
-                    "compressed as a whole has to be unpacked first: zstd -d");
-  if (std::none_of(listed.begin(), listed.end(), exists)) return filesIn(path);  // renamed, or without a list
-  for (const fs::path& file : listed) {
-    if (!exists(file))
-      throw IoError(file.string(), "is listed in metadata.yaml and does not exist; 'ros2 bag reindex " +
-                                       path.string() + "' lists what is there");
-    files::requireRegularFile(file);
-  }
-  return listed;
-}
-
 MessageLog::MessageLog(const std::filesystem::path& path) : path_(path) {
-  for (const std::filesystem::path& file : messageFilesOf(path)) files_.push_back(openMessageFile(file));
+  for (const std::filesystem::path& file : messageFilesOf(path, remark_))
+    files_.push_back(openMessageFile(file));
   if (files_.empty())
-    throw IoError(path.string(), "has no recording of messages (.bag, .db3 or .mcap) in it");
+    throw IoError(path.string(), "has no recording of messages (.bag, .db3 or .mcap) in it" +
+                                     (remark_.empty() ? "" : "; " + remark_));
   for (const auto& file : files_)
     for (const MessageTopic& topic : file->topics()) {
       const auto same = std::find_if(topics_.begin(), topics_.end(), [&topic](const MessageTopic& t) {
@@ -153,7 +163,7 @@ std::vector<LoggedMessage> MessageLog::messages(const std::string& topic, const 
 }
 
 std::string MessageLog::faults() const {
-  std::string words;
+  std::string words = remark_;
   for (const auto& file : files_)
     if (!file->fault().empty())
       addSentence(fmt::format("{}: {}", file->path().string(), file->fault()), words);

@@ -83,9 +83,6 @@ std::unique_ptr<const MessageFile> openMcap(const std::filesystem::path& path);
 
 /** \brief Is it one, by its name, or a folder of rosbag2 with several? */
 bool isMessageRecording(const std::filesystem::path& path);
-/** \brief The file, or the files of a folder of rosbag2: those that its metadata.yaml lists, or else all.
- * Throws IoError for a folder without any. */
-std::vector<std::filesystem::path> messageFilesOf(const std::filesystem::path& path);
 
 /** \brief A message that is not read yet. */
 struct LoggedMessage {
@@ -106,7 +103,7 @@ public:
   std::vector<MessageTopic> topicsOf(const std::string& type) const;
   /** \brief Messages of a topic with that name and type, by the time when they were recorded. */
   std::vector<LoggedMessage> messages(const std::string& topic, const std::string& type) const;
-  /** \brief Faults of files that can be read; empty without faults. */
+  /** \brief Faults of files that can be read, or of their list; empty without faults. */
   std::string faults() const;
 
   /** \brief Calls use(message) with a message of its type. Throws IoError for a corrupt one. */
@@ -152,6 +149,7 @@ public:
 
 private:
   std::filesystem::path path_;
+  std::string remark_;  // on files that are not as metadata.yaml lists them; or nothing
   std::vector<std::unique_ptr<const MessageFile>> files_;
   std::vector<MessageTopic> topics_;  // topics of all files
 };

@@ -49,6 +49,12 @@ void findDepthUnit(const MessageLog& log, CameraFile& camera) {
   }
 }
 
+/** Images of the size of the sensor are neither binned nor a part of it, whatever the message states. */
+CameraInfoMessage infoOf(const ImagesOfTopic& images, const CameraInfoMessage& info) {
+  const bool is_whole = images.width == info.width && images.height == info.height;
+  return info.isReduced() && !is_whole ? info.ofImage() : info;
+}
+
 /** Images called rectified have no lens. */
 void take(const CameraInfoMessage& info, bool called_rectified, MessageCamera& camera) {
   constexpr std::uint32_t kLargestSide = 65535;
@@ -74,8 +80,8 @@ std::string matchingTopic(const MessageLog& log, const ImagesOfTopic& images) {
   for (const MessageTopic& topic : log.topicsOf(CameraInfoMessage::kType)) {
     bool matches = false;
     log.readFirst<CameraInfoMessage>(topic.name, [&](const CameraInfoMessage& info) {
-      matches =
-          info.header.frame == images.frame && info.width == images.width && info.height == images.height;
+      const CameraInfoMessage own = infoOf(images, info);
+      matches = info.header.frame == images.frame && own.width == images.width && own.height == images.height;
     });
     if (matches) return topic.name;
   }
@@ -95,7 +101,16 @@ MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& image
   camera.file = cameraFileOf({}, kMillimetres, preset);
   if (is_realsense) findDepthUnit(log, camera.file);
   const bool called_rectified = text::lower(topic).find("rect") != std::string::npos;
-  const auto use = [&](const CameraInfoMessage& info) { take(info, called_rectified, camera); };
+  const auto use = [&](const CameraInfoMessage& info) {
+    const CameraInfoMessage own = infoOf(images, info);
+    take(own, called_rectified, camera);
+    if (own.width != info.width || own.height != info.height)
+      addSentence(
+          fmt::format("their camera_info is of {}x{} pixels, of which they are {}x{} by its binning and "
+                      "region",
+                      info.width, info.height, own.width, own.height),
+          camera.remark);
+  };
   if (log.readFirst<CameraInfoMessage>(base + "/camera_info", use)) return camera;
   const std::string matching = matchingTopic(log, images);
   if (matching.empty()) return camera;
@@ -191,9 +206,18 @@ private:
     std::vector<MessageTopic> images = log_.topicsOf(ImageMessage::kType);
     const auto compressed = log_.topicsOf(CompressedImageMessage::kType);
     images.insert(images.end(), compressed.begin(), compressed.end());
-    std::string words = fmt::format("has no depth images{} (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or "
-                                    "CompressedImage of compressedDepth or PNG of 16 bits); its images: {}",
-                                    wanted.empty() ? "" : " in " + wanted, listOf(images));
+    std::string encodings;
+    for (const MessageTopic& topic : images) {
+      const auto add = [&](const std::string& encoding) {
+        addSentence(fmt::format("{} is of {}", topic.name, encoding), encodings);
+      };
+      log_.readFirst<ImageMessage>(topic.name, [&](const ImageMessage& image) { add(image.encoding); });
+      log_.readFirst<CompressedImageMessage>(topic.name,
+                                             [&](const CompressedImageMessage& image) { add(image.format); });
+    }
+    std::string words = fmt::format("has no depth images{}: {}; its images: {}",
+                                    wanted.empty() ? "" : " in " + wanted, kDepthEncodings, listOf(images));
+    addSentence(encodings, words);
     if (images.empty()) words += "; its topics: " + listOf(log_.topics());
     addSentence(log_.faults(), words);
     throw IoError(log_.path().string(), words);

@@ -102,6 +102,28 @@ CameraInfoMessage CameraInfoMessage::read(MessageReader& message) {
   readReals(message, info.K);
   message.skip<double>(9);  // R, of a stereo camera's rectification
   readReals(message, info.P);
+  if (message.atEnd()) return info;  // as some writers end it
+  for (std::uint32_t& side : info.binning) side = std::max(message.number<std::uint32_t>(), 1u);
+  for (std::uint32_t& side : info.roi) side = message.number<std::uint32_t>();
+  return info;
+}
+
+bool CameraInfoMessage::isReduced() const {
+  return binning[0] > 1 || binning[1] > 1 || (roi[2] > 0 && roi[2] < height) ||
+         (roi[3] > 0 && roi[3] < width);
+}
+
+CameraInfoMessage CameraInfoMessage::ofImage() const {
+  CameraInfoMessage info = *this;
+  const auto [x, y, rows, columns] = roi;
+  info.width = (columns > 0 ? columns : width) / binning[0];
+  info.height = (rows > 0 ? rows : height) / binning[1];
+  const auto reduce = [this](std::uint32_t offset, std::size_t axis, double& f, double& c) {
+    f /= binning[axis];
+    c = (c - offset) / binning[axis];
+  };
+  reduce(x, 0, info.K[0], info.K[2]), reduce(y, 1, info.K[4], info.K[5]);
+  reduce(x, 0, info.P[0], info.P[2]), reduce(y, 1, info.P[5], info.P[6]);
   return info;
 }
 

@@ -125,7 +125,7 @@ struct CompressedImageMessage {
   static CompressedImageMessage read(MessageReader& message);
 };
 
-/** \brief sensor_msgs/CameraInfo, up to its matrices. */
+/** \brief sensor_msgs/CameraInfo. */
 struct CameraInfoMessage {
   static constexpr const char* kType = "sensor_msgs/CameraInfo";
   MessageHeader header;
@@ -134,7 +134,14 @@ struct CameraInfoMessage {
   std::vector<double> D;
   std::array<double, 9> K{};
   std::array<double, 12> P{};
+  std::array<std::uint32_t, 2> binning{1, 1};  ///< pixels of the sensor per pixel of the image, along x and y
+  std::array<std::uint32_t, 4> roi{};          ///< x, y, height, width of the images on the sensor; 0 = all
   static CameraInfoMessage read(MessageReader& message);
+
+  /** \brief Does the image have fewer pixels than the sensor, to which width, height, K and P apply? */
+  bool isReduced() const;
+  /** \brief The same for the pixels of the image alone. */
+  CameraInfoMessage ofImage() const;
 };
 
 /** \brief nav_msgs/Odometry, without covariances and velocities. */
