@@ -283,6 +283,69 @@ TEST_F(Rules, AnotherPhonesScan) {
   EXPECT_EQ(open().frames().size(), 1u);
 }
 
+/** A frame of the 3D Scanner App. */
+std::string frameJson(int i, const std::string& intrinsics = "[1600, 0, 960, 0, 1600, 720, 0, 0, 1]") {
+  return "{\"cameraPoseARFrame\": [1, 0, 0, " + std::to_string(i) +
+         ", 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1], \"time\": " + std::to_string(100 + i) +
+         ".25, \"intrinsics\": " + intrinsics + ", \"frame_index\": 7}";
+}
+
+TEST_F(Rules, JsonBesideEachImageHasItsTimePoseAndCamera) {
+  for (int i = 0; i < 3; ++i) {
+    putDepth("depth_0000" + std::to_string(i) + ".png", 1500);
+    put("frame_0000" + std::to_string(i) + ".json", frameJson(i));
+  }
+  const DepthSequence sequence = open();
+  EXPECT_THAT(stampsOf(sequence), ElementsAre(100.25, 101.25, 102.25));
+  EXPECT_NEAR(sequence.camera()->camera.intrinsics.fx, 1600 * 8 / 1920.0, 1e-9);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear().diagonal() = Eigen::Vector3d(1, -1, -1);  // y down, z forward
+  T.translation() = Eigen::Vector3d(1, 2, 3);
+  EXPECT_TRUE(sequence.groundTruth().at(101.25)->isApprox(T, 1e-9));
+  EXPECT_THAT(sequence.remark(), HasSubstr("times and poses of the images are those of frame_00000.json"));
+  EXPECT_THAT(sequence.remark(), Not(HasSubstr("only numbered")));
+}
+
+TEST_F(Rules, TheSizeOfTheColourImageScalesItsIntrinsics) {
+  putDepth("depth_00000.png");
+  put("frame_00000.json", frameJson(0, "[800, 0, 480, 0, 800, 360, 0, 0, 1]"));
+  put("frame_00000.jpg",
+      std::string("\xFF\xD8\xFF\xE0\x00\x04\x00\x00\xFF\xC0\x00\x11\x08\x02\xD0\x03\xC0\x03", 18));
+  EXPECT_NEAR(open().camera()->camera.intrinsics.fx, 800 * 8 / 960.0, 1e-9);
+}
+
+TEST_F(Rules, ImagesWhoseJsonIsTornAreLeftOutAndNamed) {
+  put("camera.ini", kCamera);
+  for (int i = 0; i < 4; ++i) {
+    putDepth("depth_0000" + std::to_string(i) + ".png");
+    put("frame_0000" + std::to_string(i) + ".json", i == 0 ? "{\"time\": 1" : frameJson(i));
+  }
+  const DepthSequence sequence = open();
+  EXPECT_THAT(stampsOf(sequence), ElementsAre(101.25, 102.25, 103.25));
+  EXPECT_THAT(sequence.remark(), HasAll("1 without a time", "frame_00000.json: is no JSON"));
+}
+
+TEST_F(Rules, TransformsOfNeRFsHaveTimesPosesAndTheCamera) {
+  putDepth("depth/frame_00001.png"), putDepth("depth/frame_00002.png");
+  const std::string head =
+      "{\"fl_x\": 16, \"fl_y\": 16, \"cx\": 8, \"cy\": 6, \"w\": 16, \"h\": 12, \"frames\": [";
+  const std::string matrix = "\"transform_matrix\": [[1, 0, 0, 5], [0, 1, 0, 6], [0, 0, 1, 7], [0, 0, 0, 1]]";
+  const std::string second = "{" + matrix + ", \"file_path\": \"./images/frame_00002.jpg\"";
+  const std::string first = "{\"file_path\": \"images/frame_00001.jpg\", " + matrix;
+  put("transforms.json", head + second + ", \"timestamp\": 20.5}, " + first + ", \"timestamp\": 20.25}]}");
+  const DepthSequence stamped = open();
+  EXPECT_THAT(stampsOf(stamped), ElementsAre(20.25, 20.5));
+  EXPECT_EQ(stamped.camera()->camera.intrinsics.fx, 8);
+  EXPECT_EQ(stamped.groundTruth().at(20.5)->translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_TRUE(stamped.groundTruth().at(20.5)->linear().isApprox(
+      Eigen::Matrix3d(Eigen::Vector3d(1, -1, -1).asDiagonal()), 1e-9));
+  put("transforms.json", head + second + "}, " + first + "}]}");
+  const DepthSequence counted = open();
+  ASSERT_EQ(counted.groundTruth().poses().size(), 2u);
+  EXPECT_EQ(counted.groundTruth().poses()[0].stamp, counted.frames()[0].stamp);
+  EXPECT_THAT(counted.remark(), HasAll("poses of the images are those of transforms.json", "only numbered"));
+}
+
 TEST_F(Rules, ACalibrationOfOtherImagesIsIgnored) {
   putDepth("depth/1.5.png");
   put("camera.json", "{\"fx\": 1600, \"fy\": 1600, \"cx\": 960, \"cy\": 720}");

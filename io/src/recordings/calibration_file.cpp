@@ -34,6 +34,8 @@ public:
             number({"depth_scale", "depthmapfactor", "depth_factor", "png_depth_scale", "scale"});
         scale && *scale > 1)
       found.depth_scale = *scale;
+    found.of_scanner = find({"cameraposearframe", "transform_matrix"}) != nullptr;
+    if (found.of_scanner) found.depth_scale.reset();  // their scale is the scene's
     try {
       found.lens = lens();
     } catch (const std::invalid_argument& e) {
@@ -80,15 +82,14 @@ private:
   bool findIntrinsics(Intrinsics& k) const {
     std::vector<double> m =
         list({"camera_matrix", "cameramatrix", "intrinsic_matrix", "intrinsicmatrix", "k"});
+    if (m.size() != 9) m = list({"intrinsics", "intrinsic"});
     if (m.size() == 9) {
       const bool by_columns = m[2] == 0 && m[6] != 0;  // as Open3D's
       k.fx = m[0], k.fy = m[4], k.cx = by_columns ? m[6] : m[2], k.cy = by_columns ? m[7] : m[5];
       return true;
     }
-    m = list({"intrinsics", "intrinsic"});
     if (m.size() == 4) return k.fx = m[0], k.fy = m[1], k.cx = m[2], k.cy = m[3], true;
-    if (m.size() == 9) return k.fx = m[0], k.fy = m[4], k.cx = m[2], k.cy = m[5], true;
-    const auto fx = number({"fx"}), fy = number({"fy"}), cx = number({"cx", "ppx"}),
+    const auto fx = number({"fx", "fl_x"}), fy = number({"fy", "fl_y"}), cx = number({"cx", "ppx"}),
                cy = number({"cy", "ppy"});
     if (!fx || !fy || !cx || !cy) return false;
     return k.fx = *fx, k.fy = *fy, k.cx = *cx, k.cy = *cy, true;

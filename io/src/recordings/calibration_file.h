@@ -17,12 +17,13 @@ struct Calibration {
   Intrinsics intrinsics;  ///< width and height are 0 where the file does not say them
   LensDistortion lens;
   std::optional<double> depth_scale{};  ///< image values per metre
+  bool of_scanner = false;              ///< depth images show the same view with other numbers of pixels
 };
 
 /** \brief A calibration of ROS (camera_info), OpenCV (FileStorage, as RTAB-Map's), Kalibr (pinhole),
- * ORB-SLAM, Open3D or Replica: matrices or fx, fy, cx, cy, with the distortion of a pinhole camera's lens.
- * Empty if the text has no intrinsics. Of several cameras the first. Throws IoError for a lens of another
- * model. \param source named in errors */
+ * ORB-SLAM, Open3D, Replica, NeRF (transforms.json) or scanner apps of phones: matrices or fx, fy, cx, cy,
+ * with the distortion of a pinhole camera's lens. Empty if the text has no intrinsics. Of several cameras the
+ * first. Throws IoError for a lens of another model. \param source named in errors */
 std::optional<Calibration> parseCalibration(std::string_view text, const std::string& source);
 std::optional<Calibration> readCalibration(const std::filesystem::path& path);
 

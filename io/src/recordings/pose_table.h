@@ -53,6 +53,10 @@ struct PoseTable {
  * Nothing if it was lost, and has numbers that are not finite. Throws IoError. */
 std::optional<Eigen::Isometry3d> readPoseOfImage(const std::filesystem::path& path);
 
+/** \brief The same of 7, 12 or 16 numbers that are there. \param source named in errors */
+std::optional<Eigen::Isometry3d> poseOfNumbers(std::vector<double> numbers,
+                                               const std::filesystem::path& source);
+
 /** \brief Reads rows of numbers between blanks, commas or semicolons, with decimal points or commas; # and %
  * start comments, and a line of names may come first and name the columns. Without one, rows are
  * `tx ty tz qx qy qz qw` or a matrix of 12 or 16 numbers by rows, with or without a stamp in front, as of

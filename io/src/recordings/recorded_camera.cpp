@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
 
 namespace facetloc::internal {
@@ -168,12 +169,44 @@ bool isPhone(const std::vector<fs::path>& within) {
                      [&](const fs::path& folder) { return !files::entriesOf(folder, isConfidence).empty(); });
 }
 
-/** Depth camera by the colour images of a phone: its depth images show the same with fewer pixels. */
+/** Size by the frame header of a JPEG; empty without one. */
+std::optional<PngSize> jpegSize(const fs::path& path) {
+  const std::string bytes = files::readBytes(path);
+  const auto at = [&bytes](std::size_t i) -> std::size_t {
+    return i < bytes.size() ? static_cast<std::uint8_t>(bytes[i]) : 0;
+  };
+  const auto wordAt = [&at](std::size_t i) { return at(i) << 8 | at(i + 1); };
+  for (std::size_t i = 2; at(i) == 0xFF; i += 2 + wordAt(i + 2)) {
+    const std::size_t kind = at(i + 1);
+    if (kind >= 0xC0 && kind <= 0xCF && kind != 0xC4 && kind != 0xC8 && kind != 0xCC)
+      return PngSize{static_cast<int>(wordAt(i + 7)), static_cast<int>(wordAt(i + 5)), 8};
+  }
+  return {};
+}
+
+/** Size of the colour image with the name of a calibration; empty without one. */
+std::optional<PngSize> sizeOfColour(fs::path file) try {
+  for (const char* ending : {".jpg", ".jpeg", ".JPG"})
+    if (fs::is_regular_file(file.replace_extension(ending))) return jpegSize(file);
+  return pngSize(file.replace_extension(".png"));
+} catch (const IoError&) {
+  return {};
+}
+
+/** The same image with other numbers of pixels? */
+bool isSameShape(const Intrinsics& k, const PngSize& size) {
+  return std::abs(static_cast<double>(k.width) * size.height - static_cast<double>(k.height) * size.width) <=
+         std::max(k.width, k.height);
+}
+
+/** Depth camera by the colour images of a phone: its depth images show the same with fewer pixels.
+ * \param colour of unknown size: width 0 */
 RecordedCamera phoneCamera(const Intrinsics& colour, const PngSize& size, const fs::path& file) {
   constexpr double kColourWidths[] = {1920, 1440, 1280, 640};
-  double width = kColourWidths[0];  // the centre is near the middle
-  for (const double w : kColourWidths)
-    if (std::abs(w - 2 * colour.cx) < std::abs(width - 2 * colour.cx)) width = w;
+  double width = colour.width > 0 ? colour.width : kColourWidths[0];
+  if (colour.width == 0)  // the centre is near the middle
+    for (const double w : kColourWidths)
+      if (std::abs(w - 2 * colour.cx) < std::abs(width - 2 * colour.cx)) width = w;
   const double scale = size.width / width;
   const auto centre = [scale](double c) { return (c + 0.5) * scale - 0.5; };
   const Intrinsics k{size.width,        size.height,       scale * colour.fx,
@@ -195,7 +228,7 @@ std::optional<RecordedCamera> cameraOfStrayScanner(const PngSize& size, const st
   std::replace(content.begin(), content.end(), ',', ' ');
   const std::vector<double> m = numbersOf(content, *file);
   if (m.size() != 9) throw IoError(file->string(), "is no matrix of 3x3");
-  return phoneCamera({1, 1, m[0], m[4], m[2], m[5]}, size, *file);
+  return phoneCamera({0, 0, m[0], m[4], m[2], m[5]}, size, *file);
 }
 
 /** Camera of the first calibration for images of this size. */
@@ -206,8 +239,17 @@ std::optional<RecordedCamera> calibratedCamera(const PngSize& size, const std::v
     if (!found) continue;
     Intrinsics& k = found->intrinsics;
     const bool no_size = k.width == 0 && k.height == 0;
-    if (no_size && is_phone && !isCentred(k, size)) return phoneCamera(k, size, file);
-    if (no_size && isCentred(k, size)) k.width = size.width, k.height = size.height;
+    auto colour = no_size && found->of_scanner ? sizeOfColour(file) : std::nullopt;
+    if (colour && !isCentred(k, *colour)) colour.reset();  // a smaller picture of it
+    if (colour) k.width = colour->width, k.height = colour->height;
+    const bool is_known = !no_size || colour;
+    const bool is_other = is_known ? k.width != size.width : !isCentred(k, size);
+    if (is_other && (is_known ? found->of_scanner && isSameShape(k, size) : is_phone || found->of_scanner)) {
+      RecordedCamera camera = phoneCamera(k, size, file);
+      camera.file.lens = found->lens;
+      return camera;
+    }
+    if (!is_known && isCentred(k, size)) k.width = size.width, k.height = size.height;
     if (k.width != size.width || k.height != size.height) continue;
     RecordedCamera camera{
         cameraFileOf(k, found->depth_scale.value_or(kMillimetres), cameraPresets().front())};

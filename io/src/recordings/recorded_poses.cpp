@@ -107,8 +107,11 @@ ReadPoses byIndex(const PoseTable& table, const ImageTimes& images, const fs::pa
 }  // namespace
 
 std::optional<Eigen::Isometry3d> readPoseOfImage(const fs::path& path) {
+  return poseOfNumbers(numbersOf(files::readText(path), path), path);
+}
+
+std::optional<Eigen::Isometry3d> poseOfNumbers(std::vector<double> numbers, const fs::path& path) {
   constexpr std::size_t kColumns = 7, kRows = 12, kMatrix = 16;
-  std::vector<double> numbers = numbersOf(files::readText(path), path);
   const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
   if (numbers.size() == kRows) numbers.insert(numbers.end(), {0, 0, 0, 1});
   try {

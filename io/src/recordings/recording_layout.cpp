@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "recordings/name_numbers.h"
+#include "recordings/scanner_json.h"
 
 #include <facetloc/io/error.h>
 
@@ -94,10 +95,10 @@ public:
   RecordingLayout find() {
     if (!images_.empty() && !images_.front().stamp) requireOneSeries();
     if (!layout_.frames.empty() &&
-        !(isListed() || isSevenScenes() || isScanNet() || isIclNuim() || hasNumbers()) && !hasListBeside())
+        !(isListed() || isSevenScenes() || isScanNet() || isIclNuim() || hasNumbers()) && !hasTimesBeside())
       countFrames();
     if (layout_.unit.counted && layout_.kind == Kind::plain) try {
-        hasListBeside();
+        hasTimesBeside();
       } catch (const IoError&) {  // the numbers are enough
       }
     sort();
@@ -130,6 +131,7 @@ private:
 
   void findPosesByName() {
     if (!layout_.frames.empty()) findPosesBesideImages();
+    if (layout_.poses.empty()) takeScannedPoses();
     if (!layout_.poses.empty()) return;
     if (const auto file = trajectoryIn(within_)) {
       layout_.poses = {*file, 0, {}, {}};
@@ -299,6 +301,36 @@ private:
     return false;
   }
 
+  bool hasTimesBeside() { return hasListBeside() || hasScannedTimes(); }
+
+  const ScannedImages& scanned() {
+    if (scanned_) return *scanned_;
+    scanned_ = scannedImages(images_, within_);
+    if (scanned_->images.empty()) say(scanned_->fault);
+    return *scanned_;
+  }
+
+  /** Takes the images that have a time in JSON. */
+  bool hasScannedTimes() {
+    if (!scanned().stamped()) return false;
+    LayoutFinder listed(scanned().images, beside_, within_);
+    if (!listed.isListed() || listed.layout_.unit.counted) return false;
+    listed.scanned_ = scanned();
+    listed.say(scanned().remark(true));
+    *this = LayoutFinder(listed);
+    return true;
+  }
+
+  /** Takes the poses of JSON without times. */
+  void takeScannedPoses() {
+    if (!scanned().posed()) return;
+    std::map<fs::path, double> stamps;
+    for (const FrameFile& frame : layout_.frames) stamps.emplace(frame.path, frame.stamp);
+    for (const ListedImage& image : scanned().images)
+      if (image.T_w_c) layout_.poses.listed.push_back({stamps.at(image.path), *image.T_w_c});
+    say(scanned().remark(false));
+  }
+
   /** Sorts the frames by their stamps, and each number with its frame. */
   void sort() {
     std::vector<std::size_t> order(layout_.frames.size());
@@ -353,6 +385,7 @@ private:
   std::vector<ListedImage> images_;
   std::vector<fs::path> beside_, within_;
   RecordingLayout layout_;
+  std::optional<ScannedImages> scanned_;  // once they were looked for
 };
 
 }  // namespace
