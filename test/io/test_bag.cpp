@@ -95,10 +95,8 @@ TEST_F(Bag, ATopicCanBeNamed) {
 TEST_F(Bag, UnreadableFilesAreAnErrorWithTheCause) {
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(bag("colour")); }),
               HasAll("no depth images", "/camera/color/image_raw"));
-  for (const char* kind : {"big_endian", "short"}) {
-    const DepthSequence read = DepthSequence::open(bag(kind));
-    EXPECT_THAT(ioErrorOf([&] { read.load(0); }), HasSubstr("image 0")) << kind;
-  }
+  const DepthSequence read = DepthSequence::open(bag("short"));
+  EXPECT_THAT(ioErrorOf([&] { read.load(0); }), HasSubstr("image 0"));
   const std::string bytes = bytesOf(bag("uint16"));
   for (const std::string& broken : {std::string(), std::string("no bag"), bytes.substr(0, bytes.size() / 2),
                                     bytes.substr(0, 13), std::string(5000, '\xff')}) {

@@ -66,6 +66,7 @@ public:
   /** Lists the images. Throws IoError if it is no recording. */
   SequenceReader(const fs::path& path, const RecordingHints& hints) : path_(path), hints_(hints) {
     std::error_code ignored;
+    files::requireNoPointer(path);
     if (!fs::exists(path, ignored)) throw IoError(path.string(), "does not exist");
     listImages();
     requireUniqueNames(layout_.frames, path);
