@@ -10,6 +10,8 @@ out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
 for line in sys.stdin:
     answer = json.loads(line)
+    if "state" not in answer:  # of another kind, such as a finding
+        continue
     if answer["state"] != "sure":  # a robot acts on nothing else
         print(f"{answer['stamp']:.3f} {answer['state']}: {answer['reason']}", file=sys.stderr)
         continue

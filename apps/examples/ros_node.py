@@ -200,7 +200,9 @@ class Node:
 
     def read(self):
         for line in self.live.stdout:
-            self.tell(json.loads(line))
+            answer = json.loads(line)
+            if "state" in answer:  # not of another kind, such as a finding
+                self.tell(answer)
 
     def tell(self, answer):
         sure = answer["state"] == "sure" and answer["T_w_c"] and not answer["part"]

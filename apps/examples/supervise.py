@@ -30,6 +30,8 @@ def follow(stream):  # until it ends; was any pose sure?
         if not line.endswith("\n"):  # of a process that was killed
             break
         answer = json.loads(line)
+        if "state" not in answer:  # of another kind, such as a finding
+            continue
         stamp, what, command = answer["stamp"], answer["reason"] or "no place is likely enough", "stop"
         if answer["state"] == "sure" and answer["T_w_c"]:
             (x, y, z), (i, j, k, w) = answer["T_w_c"]["position"], answer["T_w_c"]["quaternion"]

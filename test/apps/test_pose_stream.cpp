@@ -6,6 +6,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/testing/places.h>
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <json/json.h>
 #include <set>
@@ -35,9 +36,18 @@ Eigen::Isometry3d poseIn(const Json::Value& pose) {
   return T;
 }
 
+/** The lines of a stream without findings. */
+std::vector<std::string> answersIn(const std::string& stream) {
+  std::vector<std::string> lines = linesIn(stream);
+  lines.erase(std::remove_if(lines.begin(), lines.end(),
+                             [](const std::string& line) { return parsed(line).isMember("finding"); }),
+              lines.end());
+  return lines;
+}
+
 /** Compares the keys and the kinds of values with the schema. */
 void expectBySchema(const Json::Value& answer) {
-  static const Json::Value schema = parsed(contentOf(kStreamSchema));
+  static const Json::Value schema = parsed(contentOf(kStreamSchema))["$defs"]["answer"];
   std::set<std::string> wanted;
   for (const Json::Value& key : schema["required"]) wanted.insert(key.asString());
   const auto names = answer.getMemberNames();
@@ -58,7 +68,7 @@ void expectBySchema(const Json::Value& answer) {
 
 /** The schema and the document describe each column of results by the column's own text. */
 TEST(PoseStream, SchemaAndDocumentDescribeTheColumns) {
-  const Json::Value schema = parsed(contentOf(kStreamSchema))["properties"];
+  const Json::Value schema = parsed(contentOf(kStreamSchema))["$defs"]["answer"]["properties"];
   const std::string document = contentOf(fs::path(kStreamSchema).parent_path() / "RECORDINGS.md");
   std::size_t in_stream = 0;
   for (const ResultColumn& column : resultColumns()) {
@@ -146,6 +156,23 @@ TEST(PoseStream, LinesAreInTheOrderOfTheFrames) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(parsed(lines[i])["stamp"].asInt(), i);
 }
 
+TEST(PoseStream, AFindingHasALineOfItsOwn) {
+  std::ostringstream out, err;
+  Findings kept;
+  const Console console{out, err, false, true, "tool", false, &kept};
+  besideStream(console).find(
+      {"poses.jump", Severity::doubt, "the poses jump\nhere", "look", {{"seconds", 0.2, 0.01}}});
+  ASSERT_EQ(kept.size(), 1u);
+  ASSERT_EQ(linesIn(out.str()).size(), 1u) << out.str();
+  const Json::Value finding = parsed(out.str())["finding"];
+  const Json::Value schema = parsed(contentOf(kStreamSchema));
+  for (const Json::Value& key : schema["$defs"]["finding"]["properties"]["finding"]["required"])
+    EXPECT_TRUE(finding.isMember(key.asString())) << key;
+  EXPECT_EQ(finding["id"].asString(), "poses.jump");
+  EXPECT_EQ(finding["words"].asString(), "the poses jump\nhere");
+  EXPECT_EQ(finding["evidence"][0]["value"].asDouble(), 0.2);
+}
+
 class StreamOfImages : public Tools {};
 
 TEST_F(StreamOfImages, LocalizeWritesEachImageAndNothingElse) {
@@ -154,7 +181,7 @@ TEST_F(StreamOfImages, LocalizeWritesEachImageAndNothingElse) {
     const ToolRun run =
         ok(runTool<localizeApp>(Arguments{map(), query(), "-o", folder_ / "results", "--stream"} + options));
     EXPECT_THAT(run.err, HasSubstr("results in"));
-    const auto lines = linesIn(run.out);
+    const auto lines = answersIn(run.out);
     ASSERT_EQ(lines.size(), static_cast<std::size_t>(kFrames));
     const Trajectory truth = DepthSequence::readTruth(query());
     double before = -1;
@@ -179,7 +206,7 @@ TEST_F(StreamOfImages, AnswersOfAnEarlierRunAreAlsoStreamed) {
   const ToolRun once = runTool<localizeApp>(arguments);
   std::vector<std::string> again = arguments;
   again.emplace_back("--resume");
-  const auto first = linesIn(once.out), second = linesIn(runTool<localizeApp>(again).out);
+  const auto first = answersIn(once.out), second = answersIn(runTool<localizeApp>(again).out);
   ASSERT_EQ(second.size(), first.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     const Json::Value a = parsed(first[i]), b = parsed(second[i]);
@@ -194,7 +221,7 @@ TEST_F(StreamOfImages, AnImageThatCannotBeReadHasALine) {
   const ToolRun run =
       runTool<localizeApp>({map(), withOneCorruptImage(), "-o", folder_ / "results", "--stream"});
   EXPECT_EQ(run.code, kFailed);
-  const auto lines = linesIn(run.out);
+  const auto lines = answersIn(run.out);
   ASSERT_EQ(lines.size(), static_cast<std::size_t>(kFrames));
   EXPECT_THAT(parsed(lines[4])["reason"].asString(), HasSubstr("not a PNG"));
 }

@@ -33,6 +33,7 @@ void Console::find(const Finding& finding) const {
 
 void Console::keep(const Finding& finding) const {
   if (findings) findings->push_back(finding);
+  if (publish) publish(finding);
 }
 
 void Console::error(const std::string& what) const {

@@ -5,6 +5,7 @@
 
 #include <facetloc/features/finding.h>
 
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -22,8 +23,9 @@ struct Console {
   bool terminal = false;  ///< err is watched by a person, so that a progress line makes sense
   bool quiet = false;     ///< no progress and no remarks
   std::string tool;
-  bool watched = false;          ///< a Heartbeat shows that work goes on
-  Findings* findings = nullptr;  ///< the tool's list, which outlives this
+  bool watched = false;                           ///< a Heartbeat shows that work goes on
+  Findings* findings = nullptr;                   ///< the tool's list, which outlives this
+  std::function<void(const Finding&)> publish{};  ///< receives each finding as it is kept; may be empty
 
   /** \brief Results on out. */
   void print(const std::string& text) const;

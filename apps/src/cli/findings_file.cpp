@@ -27,6 +27,13 @@ Json::Value jsonOf(const Finding& finding) {
   return value;
 }
 
+Json::StreamWriterBuilder writerOf(const char* indentation) {
+  Json::StreamWriterBuilder builder;
+  builder["indentation"] = indentation;
+  builder["precision"] = 6;
+  return builder;
+}
+
 /** Throws std::exception for another value. */
 Finding findingOf(const Json::Value& value) {
   Finding finding{value["id"].asString(), Severity::note, value["words"].asString(),
@@ -41,12 +48,16 @@ Finding findingOf(const Json::Value& value) {
 
 }  // namespace
 
+std::string toJson(const Finding& finding) {
+  Json::Value line;
+  line["finding"] = jsonOf(finding);
+  return Json::writeString(writerOf(""), line);
+}
+
 void writeFindings(const std::filesystem::path& path, const Findings& findings) {
   Json::Value list(Json::arrayValue);
   for (const Finding& finding : findings) list.append(jsonOf(finding));
-  Json::StreamWriterBuilder builder;
-  builder["indentation"] = "  ";
-  builder["precision"] = 6;
+  const Json::StreamWriterBuilder builder = writerOf("  ");
   writeTextAtomically(path, [&](std::ostream& out) { out << Json::writeString(builder, list) << "\n"; });
 }
 

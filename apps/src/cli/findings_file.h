@@ -4,11 +4,16 @@
 #include <facetloc/features/finding.h>
 
 #include <filesystem>
+#include <string>
 
 namespace facetloc {
 
 /** \brief Their file in a folder of results. */
 constexpr const char* kFindingsFile = "findings.json";
+
+/** \brief A finding as one line of JSON, {"finding": {...}}, without a line feed: its line in a stream of
+ * answers (ROBOT.md). */
+std::string toJson(const Finding& finding);
 
 /** \brief Writes findings as a JSON list of objects with id, severity, words, cure and evidence. Throws
  * IoError. */

@@ -105,7 +105,8 @@ Heartbeat::Heartbeat(const Console& console, const std::string& what)
 Heartbeat::~Heartbeat() = default;
 
 Console Heartbeat::console(std::ostream& out) const {
-  return {out, *err_, console_.terminal, console_.quiet, console_.tool, true, console_.findings};
+  return {out,           *err_, console_.terminal, console_.quiet,
+          console_.tool, true,  console_.findings, console_.publish};
 }
 
 Console Heartbeat::console() const { return console(*out_); }

@@ -2,8 +2,10 @@
 #include "outputs/pose_stream.h"
 
 #include "base/text.h"
+#include "cli/findings_file.h"
 
 #include <fmt/core.h>
+#include <mutex>
 #include <vector>
 
 namespace facetloc {
@@ -11,6 +13,12 @@ namespace {
 
 constexpr const char* kNothing = "null";
 constexpr int kStampDigits = 6;
+
+/** Keeps lines whole: answers and findings come by several threads. */
+std::mutex& writing() {
+  static std::mutex mutex;
+  return mutex;
+}
 
 /** JSON string of a name or a reason, which may hold anything. */
 std::string quotedJson(const std::string& s) {
@@ -67,7 +75,7 @@ std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>
 
 void PoseStream::put(std::size_t index, const FrameResult& frame) {
   const std::string line = toJson(frame, mounting_) + "\n";
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(writing());
   waiting_.emplace(index, line);
   std::string text;
   for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; ++next_) {
@@ -83,8 +91,13 @@ void addStreamOption(CommandLine& line, bool& streams) {
 }
 
 Console besideStream(const Console& console) {
+  const auto publish = [&stream = console.out](const Finding& finding) {
+    const std::string line = toJson(finding) + "\n";
+    const std::lock_guard lock(writing());
+    stream << line << std::flush;
+  };
   return {console.err,  console.err,     console.terminal, console.quiet,
-          console.tool, console.watched, console.findings};
+          console.tool, console.watched, console.findings, publish};
 }
 
 }  // namespace facetloc

@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -22,7 +21,7 @@ namespace facetloc {
 std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>& mounting);
 
 /** \brief Answers as lines of JSON, in the order of the frames, whatever the order in which they are found.
- * Each line is out when its frame is and those before it are. */
+ * Each line is out when its frame is and those before it are; findings stand between them as they come. */
 class PoseStream {
 public:
   PoseStream(std::ostream& out, const std::optional<CameraMounting>& mounting)
@@ -33,7 +32,6 @@ public:
 private:
   std::ostream& out_;
   std::optional<CameraMounting> mounting_;
-  std::mutex mutex_;
   std::size_t next_ = 0;
   std::map<std::size_t, std::string> waiting_;
 };
@@ -41,7 +39,8 @@ private:
 /** \brief --stream. */
 void addStreamOption(CommandLine& line, bool& streams);
 
-/** \brief The console of a tool whose standard output is a stream: all else goes to standard error. */
+/** \brief The console of a tool whose standard output is a stream: findings have lines of their own there,
+ * all else goes to standard error. */
 Console besideStream(const Console& console);
 
 }  // namespace facetloc
