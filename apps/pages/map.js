@@ -505,6 +505,12 @@
   const words = [plural(models.length, 'local model'), plural(segments.length, 'segment')];
   if (data.links.length) words.push(plural(data.links.length, 'link'));
   byId('counts').textContent = words.join(', ') + (data.left_out ? '; ' + data.left_out : '');
+  if (data.findings) {
+    const findings = element('details');
+    element('summary', plural(data.findings.length, 'finding'), findings);
+    for (const words of data.findings) element('p', words, findings);
+    byId('layers').before(findings);
+  }
   if (answers.length) {
     const line = element('p');
     line.id = 'verdicts';

@@ -129,8 +129,13 @@ TEST_F(Tools, EvaluateKnowsWhatIsInDoubt) {
                                 "Next: Settle first what is in doubt: look at them.");
   const ToolRun run = ok(runTool<evaluateApp>({results, query(), "--known", known, "--known", known}));
   EXPECT_THAT(run.out, AllOf(of_report, HasSubstr("within 0.2 m and orientation within 3 deg")));
-  EXPECT_THAT(contentOf(results + "/evaluation/report.html"), of_report);
-  EXPECT_THAT(ok(runTool<evaluateApp>({results, "--known", known})).out, of_report) << "without a truth";
+  const auto listed = HasSubstr("Findings\n- the poses disagree; look at them\n- too far\n\n");
+  EXPECT_THAT(run.out, listed);
+  const std::string page = contentOf(results + "/evaluation/report.html");
+  EXPECT_THAT(page, AllOf(of_report, HasAll("<h2>Findings</h2>", "<td>the poses disagree</td>")));
+  EXPECT_LT(page.find("<h2>Findings</h2>"), page.find("<h2>Charts</h2>"));
+  EXPECT_THAT(ok(runTool<evaluateApp>({results, "--known", known})).out, AllOf(of_report, listed))
+      << "without a truth";
 }
 
 TEST_F(Tools, EvaluateCallsNoMapReadyByItsOwnImages) {

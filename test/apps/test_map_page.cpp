@@ -83,6 +83,15 @@ protected:
   Browser browser_;
 };
 
+TEST(MapPageData, HasFindings) {
+  const Map map = ExampleScene().map();
+  MapPage page = examplePage(map);
+  EXPECT_FALSE(mapPageData(map, page, "page.html").isMember("findings"));
+  page.findings = {{"localize.scale", Severity::doubt, "too far", "look at depth_scale"}};
+  EXPECT_EQ(mapPageData(map, page, "page.html")["findings"][0].asString(),
+            "doubt: too far; look at depth_scale");
+}
+
 TEST_F(MapInBrowser, DrawsEverything) {
   writeMapPage(path_, map_, examplePage(map_));
   const std::string found =

@@ -101,6 +101,7 @@ TEST(Failures, AreWrongOrMissingAnswers) {
     frame.first_correct = first_correct;
     frame.probability = probability;
     frame.nearest = NearestModel{"left", 0.4, 12};
+    if (hypotheses > 0) frame.best_error = PoseError();
     evaluation.frames.push_back(frame);
     return evaluation.frames.back();
   };

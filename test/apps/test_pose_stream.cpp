@@ -163,6 +163,7 @@ TEST(PoseStream, AFindingHasALineOfItsOwn) {
   besideStream(console).find(
       {"poses.jump", Severity::doubt, "the poses jump\nhere", "look", {{"seconds", 0.2, 0.01}}});
   ASSERT_EQ(kept.size(), 1u);
+  EXPECT_THAT(err.str(), HasSubstr("the poses jump")) << "a doubt, although quiet";
   ASSERT_EQ(linesIn(out.str()).size(), 1u) << out.str();
   const Json::Value finding = parsed(out.str())["finding"];
   const Json::Value schema = parsed(contentOf(kStreamSchema));

@@ -28,7 +28,10 @@ void Console::note(const std::string& text) const {
 
 void Console::find(const Finding& finding) const {
   keep(finding);
-  note(finding.text());
+  if (finding.severity == Severity::note)
+    note(finding.text());
+  else if (Ranks::here().isFirst())
+    error(finding.text());
 }
 
 void Console::keep(const Finding& finding) const {

@@ -31,7 +31,7 @@ struct Console {
   void print(const std::string& text) const;
   /** \brief A remark on err, unless it is empty or quiet. */
   void note(const std::string& text) const;
-  /** \brief Keeps a finding in the list, and remarks it on err, unless quiet. */
+  /** \brief Keeps a finding in the list, and remarks it on err; notes not if quiet. */
   void find(const Finding& finding) const;
   /** \brief Keeps it, for who shows it. */
   void keep(const Finding& finding) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/findings_file.h"
 
+#include "cli/text.h"
+
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
@@ -52,6 +54,12 @@ std::string toJson(const Finding& finding) {
   Json::Value line;
   line["finding"] = jsonOf(finding);
   return Json::writeString(writerOf(""), line);
+}
+
+std::string toString(const Findings& findings) {
+  std::string lines;
+  for (const Finding& finding : findings) lines += "- " + printable(finding.text()) + "\n";
+  return lines;
 }
 
 void writeFindings(const std::filesystem::path& path, const Findings& findings) {

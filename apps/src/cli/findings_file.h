@@ -15,6 +15,9 @@ constexpr const char* kFindingsFile = "findings.json";
  * answers (ROBOT.md). */
 std::string toJson(const Finding& finding);
 
+/** \brief A line for each, "- WORDS; CURE": their list in the output of a tool. */
+std::string toString(const Findings& findings);
+
 /** \brief Writes findings as a JSON list of objects with id, severity, words, cure and evidence. Throws
  * IoError. */
 void writeFindings(const std::filesystem::path& path, const Findings& findings);

@@ -149,6 +149,8 @@ public:
     data_["most_links"] = kMostLinks;
     addLinks();
     addRuns();
+    for (const Finding& finding : page_.findings)
+      data_["findings"].append(printable(toString(finding.severity) + (": " + finding.text())));
     data_["answers"] = Json::arrayValue;
     for (std::size_t i = 0; i < page_.answers.size(); ++i) addAnswer(i);
     return data_;

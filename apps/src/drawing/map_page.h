@@ -4,6 +4,7 @@
 #include "drawing/pictures.h"
 
 #include <facetloc/features/answer_state.h>
+#include <facetloc/features/finding.h>
 
 #include <functional>
 #include <optional>
@@ -46,6 +47,7 @@ struct MapPage {
   std::string title;
   std::vector<DrawnRun> runs;
   std::vector<PageAnswer> answers;  ///< Sorted by time.
+  Findings findings;                ///< about the recordings and their localization
   /** \brief The view of an answer's image, to show it and its matched local model; may be empty, and return
    * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;

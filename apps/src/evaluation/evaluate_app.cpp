@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
-#include "cli/findings_file.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "drawing/offscreen_display.h"
@@ -162,22 +161,6 @@ private:
     if (any && !posed) throw IoError(results_, "has no world poses: the map has none");
   }
 
-  /** Findings about the recordings, then those of localization; each of them once. */
-  Findings readKnown(const std::vector<RunResults>& runs) const {
-    Findings all;
-    const auto add = [&all](const fs::path& file) {
-      for (Finding& finding : readFindings(file))
-        if (std::none_of(all.begin(), all.end(), [&](const Finding& other) {
-              return other.id == finding.id && other.words.find(finding.words) != std::string::npos;
-            }))
-          all.push_back(std::move(finding));
-    };
-    for (const std::string& file : known_) add(file);
-    for (const RunResults& run : runs)
-      if (const fs::path file = fs::path(results_) / run.name / kFindingsFile; fs::exists(file)) add(file);
-    return all;
-  }
-
   /** The facts that the verdict rests on beside the answers. */
   EvaluationReport begunReport(const Input& input) const {
     EvaluationReport report{results_, truth_, params_, {}, {}, {}};
@@ -219,6 +202,7 @@ private:
     MapPage page =
         pageOfAnswers(*input.map, input.truth, input.runs, report.evaluation, judgesRelatively(report));
     figures.plan = planOfAnswers(*input.map, report.evaluation, page);
+    page.findings = report.findings;
     page.title = fmt::format("{} in {}", titleOf(results_), fs::path(map_).stem().string());
     writeMapPage(fs::path(folder_) / kMapPage, *input.map, page);
     figures.map_page = true;
@@ -236,9 +220,9 @@ private:
     const fs::path folder = folder_;
     drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation,
                   judgesRelatively(report));
-    return drawMisses(folder / kFailureFolder,
-                      chosenMisses(report.evaluation, kFailures, judgesRelatively(report)), *input.map,
-                      input.truth, input.runs, console);
+    const bool relative = judgesRelatively(report);
+    return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures, relative),
+                      *input.map, input.truth, input.runs, relative, console);
   }
 
   ReportFigures figuresOf(const EvaluationReport& report, const Input& input, const Console& console) const {
@@ -294,6 +278,7 @@ private:
     createFolders(folder_);
     removeEarlier(folder_);
     writeHtmlReport(folder_, report, figuresOf(report, input, console));
+    printFindings(console.out, report.findings);
     printVerdict(console.out, verdictOf(report));
     console.out << "\nevaluation in " << folder_ << "\n";
     return kOk;
@@ -306,7 +291,7 @@ private:
     }
     Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }), {}, {}};
     if (!map_.empty()) input.map = readMap(map_);
-    input.findings = readKnown(input.runs);
+    input.findings = knownFindings(known_, results_, input.runs);
     params_ = withinTruth(params_, input.findings);
     if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
     if (truth_.empty()) return reportWithoutTruth(input, console);
@@ -326,6 +311,7 @@ private:
     printReport(console.out, report);  // last, for who reads it may stop doing so
     printStartCurves(console.out, input.starts);
     console.out << "\n";
+    printFindings(console.out, report.findings);
     printVerdict(console.out, verdictOf(report));
     console.out << "\nevaluation in " << folder_ << "\n";
     return kOk;

@@ -93,30 +93,64 @@ private:
 void judge(const FrameEvaluation& frame, bool relative, PageAnswer& answer) {
   answer.wrong = frame.state == AnswerState::sure && !isRight(frame, relative).value_or(true);
   answer.relative = relative;
-  if (const auto& error = relative ? frame.local_error : frame.best_error) {
+  if (const auto& error = errorOf(frame, relative)) {
     answer.error_m = error->translation;
     answer.error_deg = error->rotation_deg;
   }
   if (!relative) answer.truth = frame.T_w_c;
 }
 
-bool failed(const FrameEvaluation& frame) {
+bool failed(const FrameEvaluation& frame, bool relative) {
   if (frame.unmapped) return frame.hypotheses > 0 && frame.probability >= kUnsure;
-  return frame.first_correct != 1;
+  return !isRight(frame, relative).value_or(false);
 }
 
 std::string poseDifference(double translation, double rotation_deg) {
   return fmt::format("{:.2f} m and {:.2f}°", translation, rotation_deg);
 }
 
-std::string whatFailed(const FrameEvaluation& frame) {
+std::string whatFailed(const FrameEvaluation& frame, bool relative) {
   if (frame.hypotheses == 0) return "no hypothesis: " + frame.reason;
-  const auto& error = frame.best_error;
+  const auto& error = errorOf(frame, relative);
   return fmt::format("{}, probability {:.2f}{}",
                      error ? poseDifference(error->translation, error->rotation_deg) + " off"
                            : "in a local model without a pose",
                      frame.probability,
                      frame.first_correct > 0 ? fmt::format(", correct at rank {}", frame.first_correct) : "");
+}
+
+/** The most confident first. */
+std::vector<Failure> failuresOf(const std::vector<FrameEvaluation>& frames,
+                                const std::vector<RunResults>& runs, const Map& map, bool relative) {
+  const ModelIndices indices(map);
+  std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // keyed by run and frame
+  for (const RunResults& run : runs)
+    for (const ResultRow& row : run.rows)
+      if (row.rank == 1) first[{run.name, row.frame}] = &row;
+
+  std::vector<Failure> failures;
+  for (const FrameEvaluation& frame : frames) {
+    Failure failure{frame.run, frame.name, whatFailed(frame, relative), frame.probability, {}};
+    const auto best = first.find({frame.run, frame.name});
+    if (best != first.end()) {
+      const ResultRow& row = *best->second;
+      failure.answers.push_back({indices.of(row.model), row.T_m_c, "rank 1: " + failure.what});
+    } else {
+      failure.answers.push_back({-1, Eigen::Isometry3d::Identity(), failure.what});
+    }
+    if (frame.nearest) {
+      const int nearest = indices.of(frame.nearest->name);
+      failure.answers.push_back(
+          {nearest, map.models[nearest].T_w_m->inverse() * frame.T_w_c,
+           fmt::format("true pose in the nearest local model, {} away{}",
+                       poseDifference(frame.nearest->distance, frame.nearest->angle_deg),
+                       frame.unmapped ? "; the map has nothing here" : "")});
+    }
+    failures.push_back(std::move(failure));
+  }
+  std::stable_sort(failures.begin(), failures.end(),
+                   [](const Failure& a, const Failure& b) { return a.probability > b.probability; });
+  return failures;
 }
 
 }  // namespace
@@ -219,15 +253,15 @@ void removeMisses(const fs::path& folder) {
 
 std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<Miss>& misses, const Map& map,
                                       const PlaceTruth& truth, const std::vector<RunResults>& runs,
-                                      const Console& console) {
+                                      bool relative, const Console& console) {
   const RunImages images(truth, map);
-  Evaluation drawn;
+  std::vector<FrameEvaluation> drawn;
   for (const Miss& miss : misses)
-    if (images.has(miss.frame.name)) drawn.frames.push_back(miss.frame);
+    if (images.has(miss.frame.name)) drawn.push_back(miss.frame);
 
   std::vector<ReportPicture> pictures;
-  if (!drawn.frames.empty()) fs::create_directories(folder);
-  for (const Failure& failure : findFailures(drawn, runs, map)) {
+  if (!drawn.empty()) fs::create_directories(folder);
+  for (const Failure& failure : failuresOf(drawn, runs, map, relative)) {
     const std::string run = failure.run.empty() ? "" : failure.run + "_";
     const fs::path path = folder / fmt::format("{}{}{}.png", kMissPrefix, run, failure.frame);
     try {
@@ -241,37 +275,12 @@ std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<
 }
 
 std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
-                                  const Map& map) {
-  const ModelIndices indices(map);
-  std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // keyed by run and frame
-  for (const RunResults& run : runs)
-    for (const ResultRow& row : run.rows)
-      if (row.rank == 1) first[{run.name, row.frame}] = &row;
-
-  std::vector<Failure> failures;
-  for (const FrameEvaluation& frame : evaluation.frames) {
-    if (!failed(frame)) continue;
-    Failure failure{frame.run, frame.name, whatFailed(frame), frame.probability, {}};
-    const auto best = first.find({frame.run, frame.name});
-    if (best != first.end()) {
-      const ResultRow& row = *best->second;
-      failure.answers.push_back({indices.of(row.model), row.T_m_c, "rank 1: " + failure.what});
-    } else {
-      failure.answers.push_back({-1, Eigen::Isometry3d::Identity(), failure.what});
-    }
-    if (frame.nearest) {
-      const int nearest = indices.of(frame.nearest->name);
-      failure.answers.push_back(
-          {nearest, map.models[nearest].T_w_m->inverse() * frame.T_w_c,
-           fmt::format("true pose in the nearest local model, {} away{}",
-                       poseDifference(frame.nearest->distance, frame.nearest->angle_deg),
-                       frame.unmapped ? "; the map has nothing here" : "")});
-    }
-    failures.push_back(std::move(failure));
-  }
-  std::stable_sort(failures.begin(), failures.end(),
-                   [](const Failure& a, const Failure& b) { return a.probability > b.probability; });
-  return failures;
+                                  const Map& map, bool relative) {
+  std::vector<FrameEvaluation> frames = evaluation.frames;
+  frames.erase(std::remove_if(frames.begin(), frames.end(),
+                              [&](const FrameEvaluation& frame) { return !failed(frame, relative); }),
+               frames.end());
+  return failuresOf(frames, runs, map, relative);
 }
 
 Raster<std::uint8_t> contactSheet(const std::vector<Raster<std::uint8_t>>& pictures,

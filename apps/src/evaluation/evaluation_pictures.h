@@ -48,7 +48,8 @@ void removeMisses(const std::filesystem::path& folder);
  * image that cannot be read or drawn is left out with a remark. */
 std::vector<ReportPicture> drawMisses(const std::filesystem::path& folder, const std::vector<Miss>& misses,
                                       const Map& map, const PlaceTruth& truth,
-                                      const std::vector<RunResults>& runs, const Console& console);
+                                      const std::vector<RunResults>& runs, bool relative,
+                                      const Console& console);
 
 /** \brief An image that was not localized, or not correctly. */
 struct Failure {
@@ -59,12 +60,12 @@ struct Failure {
   std::vector<DrawnMatch> answers;  ///< rank 1, then the true pose in the nearest local model
 };
 
-/** \brief The images whose rank 1 is wrong or missing, the most confident of them first. Images taken where
- * the map has nothing fail only by an answer of probability kUnsure or more. \param runs that were
+/** \brief The images whose rank 1 is not right (isRight()), the most confident of them first. Images taken
+ * where the map has nothing fail only by an answer of probability kUnsure or more. \param runs that were
  * evaluated, with the poses of this map's local models. Throws std::runtime_error for an answer in a local
  * model that the map has not. */
 std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
-                                  const Map& map);
+                                  const Map& map, bool relative = false);
 
 /** \brief Several pictures in one, reduced, two beside each other, each with its title. Needs a display. */
 Raster<std::uint8_t> contactSheet(const std::vector<Raster<std::uint8_t>>& pictures,

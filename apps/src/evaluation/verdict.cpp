@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/verdict.h"
 
+#include "cli/findings_file.h"
 #include "cli/text.h"
 
 #include <facetloc/features/pose.h>
@@ -341,6 +342,26 @@ EvaluationParams withinTruth(const EvaluationParams& given, const Findings& find
   limits.max_rotation_deg =
       std::max(given.max_rotation_deg, std::min(kTruthShare * truth.rotation_deg, kPlaceRotationDeg));
   return limits;
+}
+
+Findings knownFindings(const std::vector<std::string>& files, const std::filesystem::path& results,
+                       const std::vector<RunResults>& runs) {
+  Findings all;
+  const auto add = [&all](const std::filesystem::path& file) {
+    for (Finding& finding : readFindings(file))
+      if (std::none_of(all.begin(), all.end(), [&](const Finding& other) {
+            return other.id == finding.id && other.words.find(finding.words) != std::string::npos;
+          }))
+        all.push_back(std::move(finding));
+  };
+  for (const std::string& file : files) add(file);
+  for (const RunResults& run : runs)
+    if (const auto file = results / run.name / kFindingsFile; std::filesystem::exists(file)) add(file);
+  return all;
+}
+
+void printFindings(std::ostream& out, const Findings& findings) {
+  if (!findings.empty()) out << "Findings\n" << toString(findings) << "\n";
 }
 
 Verdict verdictOf(const EvaluationReport& report) {

@@ -3,6 +3,8 @@
 
 #include "evaluation/evaluation_report.h"
 
+#include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,13 @@ struct Verdict {
 Verdict verdictOf(const EvaluationReport& report);
 /** \brief Its sentences, one per line. */
 void printVerdict(std::ostream& out, const Verdict& verdict);
+
+/** \brief Findings in files about the recordings, then those that lie with results; each of them once. Throws
+ * IoError. \param results folder of the runs */
+Findings knownFindings(const std::vector<std::string>& files, const std::filesystem::path& results,
+                       const std::vector<RunResults>& runs);
+/** \brief Their list as a paragraph with a title; nothing without any. */
+void printFindings(std::ostream& out, const Findings& findings);
 
 /** \brief Whether an answer is judged by its error relative to its local model: the map lies in a frame of
  * its own, and the true poses of its images are known. */

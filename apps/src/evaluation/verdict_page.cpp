@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/text.h"
 #include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
 #include "evaluation/verdict.h"
@@ -30,6 +31,16 @@ void addVerdict(const Verdict& verdict, const ReportFigures& figures, HtmlPage& 
   page.begin("next");
   page.paragraph("Next: " + verdict.next);
   page.end();
+}
+
+void addFindings(const Findings& findings, HtmlPage& page) {
+  if (findings.empty()) return;
+  page.heading("Findings");
+  TextTable table({"severity", "finding", "what to do"});
+  table.setWordsLast();
+  for (const Finding& finding : findings)
+    table.add({toString(finding.severity), printable(finding.words), printable(finding.cure)});
+  page.table("Findings about the recordings and their localization", table);
 }
 
 void addMisses(const EvaluationReport& report, const std::vector<ReportPicture>& pictures, HtmlPage& page) {
@@ -82,6 +93,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport
   const bool of_recording = std::filesystem::is_directory(report.truth);
   HtmlPage page("Localization of " + titleOf(of_recording ? report.truth : report.results));
   addVerdict(verdictOf(report), figures, page);
+  addFindings(report.findings, page);
   if (report.isJudged()) {
     page.heading("Charts");
     page.charts(chartData(report, figures.starts));

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "batch/batch.h"
 #include "batch/map_watch.h"
+#include "cli/findings_file.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "inputs/depth_input.h"
@@ -359,10 +360,8 @@ private:
     append(making.findings().list(), found);  // the surfaces as the poses confirm them
     reportFloor(images, camera, poses, console, found);
     reportNoise(images, console, found);
-    for (const Finding& finding : found) {
-      console.out << (&finding == &found.front() ? "note\n" : "") << "- " << finding.text() << "\n";
-      console.keep(finding);
-    }
+    console.out << (found.empty() ? "" : "note\n") << toString(found);
+    for (const Finding& finding : found) console.keep(finding);
     if (isRefused(found)) {
       console.out << "the recording cannot be right as it is read; facetloc_map build refuses it\n";
       return kFailed;

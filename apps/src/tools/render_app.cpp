@@ -7,6 +7,7 @@
 #include "drawing/offscreen_display.h"
 #include "drawing/pictures.h"
 #include "evaluation/evaluation_pictures.h"
+#include "evaluation/verdict.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "outputs/provenance.h"
@@ -254,7 +255,8 @@ private:
     const std::vector<ModelPose> models = modelPosesOf(map);
     if (models.empty()) throw IoError(map_, "has no poses of local models: the truth cannot be drawn");
     const std::vector<RunResults> runs = readRuns(input_);
-    const Evaluation evaluation = evaluate(runs, PlaceTruth::open(sequence_), models, evaluation_);
+    const Evaluation evaluation = evaluate(runs, PlaceTruth::open(sequence_), models,
+                                           withinTruth(evaluation_, knownFindings({}, input_, runs)));
     if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
     const std::vector<Failure> failures = findFailures(evaluation, runs, map);
     const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
@@ -306,14 +308,17 @@ private:
     const std::vector<RunResults> runs =
         readRuns(input_, [&](const std::string& text) { console.note(text); });
     if (runs.empty() || runs.front().rows.empty()) throw IoError(input_, "has no results");
+    const Findings findings = knownFindings({}, input_, runs);
     std::optional<DepthSequence> sequence;
     std::optional<Evaluation> evaluation;
     if (!sequence_.empty()) {
       sequence = openSequence(sequence_, depth_.recording, console);
       if (hasGivenPose(map) && !sequence->groundTruth().empty())
-        evaluation = evaluate(runs, PlaceTruth(sequence->groundTruth()), modelPosesOf(map), evaluation_);
+        evaluation = evaluate(runs, PlaceTruth(sequence->groundTruth()), modelPosesOf(map),
+                              withinTruth(evaluation_, findings));
     }
     MapPage page = answerPage(map, runs, evaluation ? &*evaluation : nullptr);
+    page.findings = findings;
     page.title = fmt::format("{} in {}", titleOf(input_), fs::path(map_).stem().string());
     page.runs = drawnRuns();
     if (evaluation) page.runs.push_back({"true poses", posesOf(sequence->groundTruth())});

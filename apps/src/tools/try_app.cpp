@@ -173,7 +173,10 @@ private:
       if (!stage.checked.empty()) finding.words = titleOf(stage.checked) + ": " + finding.words;
       console.keep(finding);
     }
-    if (!stage.checked.empty()) writeFindings(in(stage.findingsFile()), found);
+    if (!stage.checked.empty()) {
+      console.print(toString(found));  // which the tool has only listed in its output
+      writeFindings(in(stage.findingsFile()), found);
+    }
     writeTextAtomically(in(stage.textFile()), [&](std::ostream& file) { file << out.str(); });
     if (code != kOk) {
       console.print(out.str());
