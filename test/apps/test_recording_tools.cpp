@@ -2,6 +2,7 @@
 // facetloc_check and facetloc_convert on one recording in several states.
 #include "cli/findings_file.h"
 #include "example_room.h"
+#include "inputs/recording_run.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
@@ -92,6 +93,26 @@ TEST_F(RecordingTools, AllToolsWriteTheirFindings) {
   EXPECT_EQ(scale().words, words) << "one judge";
   writeContent(file, "{");
   EXPECT_THROW(readFindings(file), IoError);
+}
+
+TEST_F(RecordingTools, ARunIsJudgedAsByTheTool) {
+  const DepthSequence sequence = DepthSequence::open(map_run());
+  const auto made = [&](const Findings& read) {
+    MapMaking making(sequence.camera()->camera);
+    addImages(sequence, sequence.groundTruth(), {}, making);
+    checkRun(sequence, read, making);
+    return making;
+  };
+  const std::string file = folder_ / "findings.json";
+  ok(check(map_run(), {"--findings", file}));
+  std::set<std::string> of_tool;
+  for (const Finding& finding : readFindings(file)) of_tool.insert(finding.text());
+  const Findings found = made({}).findings().list();
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front().id, PoseCheck::kAccuracy);
+  for (const Finding& finding : found) EXPECT_EQ(of_tool.count(finding.text()), 1u) << finding.text();
+  EXPECT_FALSE(made({{"values.scale", Severity::refusal, "", ""}}).findings().geometry)
+      << "nothing is derived from a refused recording";
 }
 
 TEST_F(RecordingTools, CheckDerivesNothingFromImagesInDoubt) {

@@ -62,6 +62,15 @@ def test_localizes_as_the_tool_does(room):
     assert sum(row["state"] == "sure" for row in rows.values()) > 5
 
 
+def test_an_answer_has_findings_about_its_camera(room):
+    recording, of_map = facetloc.Recording.open(room / "query"), facetloc.Map.open(room / "room.flmap")
+    depth, c = recording[0].depth, recording.camera
+    localizer = facetloc.Localizer(of_map)
+    assert localizer.localize(depth, c).findings == []
+    other = facetloc.Camera(width=c.width, height=c.height, fx=1.3 * c.fx, fy=1.3 * c.fy, cx=c.cx, cy=c.cy)
+    assert "camera.difference" in [f["id"] for f in localizer.localize(depth, other).findings]
+
+
 def test_follows_a_drive_as_the_tool_does(room):
     recording = facetloc.Recording.open(room / "query")
     localizer = facetloc.Localizer(facetloc.Map.open(room / "room.flmap"))
@@ -105,6 +114,7 @@ def test_a_recording_has_the_findings_of_the_tool(room, tmp_path):
     of_tool = json.loads((tmp_path / "findings.json").read_text(encoding="utf-8"))
     found = facetloc.Recording.open(room / "query").findings()
     assert {f["id"] for f in found} <= {f["id"] for f in of_tool}
+    assert "poses.accuracy" in {f["id"] for f in found}
     assert not [f for f in found if f["severity"] != "note"]
 
 

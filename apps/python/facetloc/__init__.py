@@ -87,6 +87,7 @@ class Answer:
     tracking: str  #: of a moving camera: "searching", "localized", "tracking", "cannot tell", "lost"
     T_w_c: Optional[Array]  #: the most probable pose in the world
     covariance: Optional[Array]  #: of it
+    findings: List[dict]  #: about the image's camera and the map, like Recording.findings(); empty if there are none
 
     @property
     def sure(self) -> bool:

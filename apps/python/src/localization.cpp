@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.h"
+#include "inputs/recording_run.h"
 
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/io/map_database.h>
@@ -36,7 +37,7 @@ struct LockedLocalizer {
   std::mutex mutex;
 };
 
-py::dict toDict(const Localization& answer, const Map& map) {
+py::dict toDict(const Localization& answer, const Map& map, const Camera& camera) {
   py::dict out;
   out["state"] = toString(answer.state);
   py::list hypotheses;
@@ -44,6 +45,7 @@ py::dict toDict(const Localization& answer, const Map& map) {
   out["hypotheses"] = hypotheses;
   out["not_in_map"] = answer.not_in_map;
   out["reason"] = answer.reason;
+  out["findings"] = toList(differenceFindings(map.calibrated(camera), map));
   out["tracking"] = stateName(answer.tracking);
   out["T_w_c"] = answer.T_w_c ? py::object(toArray(answer.T_w_c->T)) : py::none();
   out["covariance"] = answer.T_w_c ? py::object(toArray(Eigen::MatrixXd(answer.T_w_c->P))) : py::none();
@@ -62,7 +64,7 @@ py::dict localize(LockedLocalizer& self, const py::array& depth, const CameraPtr
     const View view = self.viewOf(array, down);
     answer = guess ? self.localizer.localize(view, *guess) : self.localizer.localize(view);
   }
-  return toDict(answer, *self.map);
+  return toDict(answer, *self.map, array.camera());
 }
 
 py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& camera, double stamp,
@@ -77,7 +79,7 @@ py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& 
     const std::lock_guard lock(self.mutex);
     answer = self.localizer.update(self.viewOf(array, down), stamp, moved);
   }
-  return toDict(answer, *self.map);
+  return toDict(answer, *self.map, array.camera());
 }
 
 void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const OptionalArray& covariance,

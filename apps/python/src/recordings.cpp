@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.h"
+#include "inputs/recording_run.h"
 
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/map_camera.h>
-#include <facetloc/mapping/map_making.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
@@ -85,21 +85,13 @@ py::array_t<float> depthOf(const DepthSequence& sequence, std::size_t index, int
 
 /** As facetloc_check lists them. */
 py::list findingsOf(const DepthSequence& sequence) {
-  constexpr int kWidth = 320;  // working width
   Findings found;
   {
     const py::gil_scoped_release others_run;
     found = readingFindings(sequence);
-    const Trajectory& poses = sequence.groundTruth();
     MapMaking making(sequence.camera() ? sequence.camera()->camera : Camera());
-    for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
-      const FrameFile& frame = sequence.frames()[i];
-      making.add({frame.name, frame.stamp, [&sequence, i] { return sequence.load(i, kWidth); },
-                  poses.at(frame.stamp)});
-    }
-    if (!poses.empty()) making.setPosesByTime([&poses](double stamp) { return poses.interpolated(stamp); });
-    making.checkGeometry();
-    making.checkPoses();
+    addImages(sequence, sequence.groundTruth(), {}, making);
+    checkRun(sequence, found, making);
     append(making.findings().list(), found);
   }
   return toList(found);

@@ -2,6 +2,7 @@
 #include "inputs/depth_input.h"
 
 #include "cli/text.h"
+#include "inputs/recording_run.h"
 #include "outputs/localization_report.h"
 #include "outputs/provenance.h"
 
@@ -96,8 +97,7 @@ Map noteUnfinished(Map map, const std::string& path, const Console& console) {
 }
 
 void noteDifference(const Camera& of_images, const Map& map, const Console& console) {
-  for (const std::string& words : toString(differenceOf(of_images, map.camera), of_images, map.camera))
-    console.find({"camera.difference", Severity::note, words, ""});
+  for (const Finding& finding : differenceFindings(of_images, map)) console.find(finding);
 }
 
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console) {

@@ -203,15 +203,12 @@ private:
     if (!words.empty()) line(console, "", words);
   }
 
-  void reportSurfaces(const DepthSequence& sequence, MapMaking& making, const Console& console,
-                      const Findings& found) const {
-    if (isRefused(found) || !canBeReadAgain(sequence)) return;
-    making.checkGeometry();
-    const GeometryCheck& check = *making.findings().geometry;
-    if (check.surfaces > 0)
+  void reportSurfaces(const MapMaking& making, const Console& console) const {
+    const auto& check = making.findings().geometry;
+    if (check && check->surfaces > 0)
       line(console, "surfaces",
-           fmt::format("{} in {} are flat{}", counted(check.surfaces, "large one"),
-                       counted(check.images, "image"), check.findings.empty() ? "" : ", but see below"));
+           fmt::format("{} in {} are flat{}", counted(check->surfaces, "large one"),
+                       counted(check->images, "image"), check->findings.empty() ? "" : ", but see below"));
   }
 
   void reportNoise(std::vector<ImageReport>& images, const Console& console, const Findings& found) const {
@@ -279,9 +276,7 @@ private:
     params.view = depth_.view;
     MapMaking making(camera, params);
     making.setNumberOfThreads(threads());
-    if (!poses.empty()) making.setPosesByTime([&poses](double stamp) { return poses.interpolated(stamp); });
-    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-      making.add(mapImage(sequence, i, depth_.width, poses.at(sequence.frames()[i].stamp, pose_tolerance_)));
+    addImages(sequence, poses, {depth_.width, pose_tolerance_}, making);
     return making;
   }
 
@@ -293,21 +288,12 @@ private:
     line(console, "poses",
          fmt::format("{} from {:.3f} to {:.3f} s; {} of {} have one", poses.poses().size(),
                      poses.poses().front().stamp, poses.poses().back().stamp, counted(posed, "image"), all));
-    if (isRefused(found) || isRefused(making.findings().list())) return;
-    if (canBeReadAgain(sequence)) making.checkPoses();
+    const auto& checked = making.findings().poses;
+    if (!checked && (isRefused(found) || isRefused(making.findings().list()))) return;
     if (posed == 0) return;
-    const PoseCheck check = making.findings().poses.value_or(PoseCheck());
+    const PoseCheck check = checked.value_or(PoseCheck());
     if (check.isKnown()) {
-      line(console, "",
-           "they disagree with the motions that the images show by " + check.as_given.toString());
-      if (!check.finding())
-        console.keep({"poses.accuracy",
-                      Severity::note,
-                      "poses and images disagree by " + check.as_given.toString(),
-                      "",
-                      {{"rotation_deg", check.as_given.rotation_deg},
-                       {"translation_m", check.as_given.translation},
-                       {"motions", static_cast<double>(check.as_given.motions)}}});
+      line(console, "", "poses and images disagree by " + check.as_given.toString());
       for (const std::string& words : check.ratiosInWords()) line(console, "", words);
     }
     line(console, "map",
@@ -352,7 +338,8 @@ private:
     MapMaking making = makingOf(sequence, camera, poses);
     MapWatch watch(console);
     making.setProgress(watch.callback());
-    reportSurfaces(sequence, making, console, found);
+    checkRun(sequence, found, making);
+    reportSurfaces(making, console);
     if (poses.empty())
       line(console, "map", "facetloc_map build will find the trajectory from the images");
     else
@@ -360,8 +347,12 @@ private:
     append(making.findings().list(), found);  // the surfaces as the poses confirm them
     reportFloor(images, camera, poses, console, found);
     reportNoise(images, console, found);
-    console.out << (found.empty() ? "" : "note\n") << toString(found);
-    for (const Finding& finding : found) console.keep(finding);
+    Findings listed;
+    for (const Finding& finding : found) {
+      if (finding.id != PoseCheck::kAccuracy) listed.push_back(finding);  // a line above states it
+      console.keep(finding);
+    }
+    console.out << (listed.empty() ? "" : "note\n") << toString(listed);
     if (isRefused(found)) {
       console.out << "the recording cannot be right as it is read; facetloc_map build refuses it\n";
       return kFailed;

@@ -58,26 +58,6 @@ std::vector<StampedPose> readPoses(const std::string& file, const DepthSequence&
 
 }  // namespace
 
-MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_width,
-                  const std::optional<Eigen::Isometry3d>& T_w_c, const std::optional<Gravity>& gravity) {
-  const FrameFile& frame = sequence.frames()[index];
-  const auto load = [&sequence, &frame, index, working_width] {
-    try {
-      return sequence.load(index, working_width);
-    } catch (const IoError&) {
-      throw;  // it names the file already
-    } catch (const std::exception& e) {
-      throw IoError(frame.path.string(), e.what());
-    }
-  };
-  return {frame.name, frame.stamp, load, T_w_c, gravity};
-}
-
-bool canBeReadAgain(const DepthSequence& sequence) {
-  return std::all_of(sequence.frames().begin(), sequence.frames().end(),
-                     [](const FrameFile& frame) { return std::filesystem::is_regular_file(frame.path); });
-}
-
 int reportUnread(const MapFindings& findings, const Console& console) {
   for (const UnreadImage& image : findings.unread) console.error(image.cause);
   return findings.unread.empty() ? kOk : kFailed;

@@ -3,6 +3,7 @@
 
 #include "cli/app.h"
 #include "inputs/depth_input.h"
+#include "inputs/recording_run.h"
 
 #include <facetloc/mapping/map_findings.h>
 #include <facetloc/mapping/map_image.h>
@@ -10,14 +11,6 @@
 #include <string>
 
 namespace facetloc {
-
-/** \brief An image of a sequence, for MapMaking and MapSession. The sequence must outlive it. */
-MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_width,
-                  const std::optional<Eigen::Isometry3d>& T_w_c = {},
-                  const std::optional<Gravity>& gravity = {});
-
-/** \brief False for images that can be read once, such as pipes. */
-bool canBeReadAgain(const DepthSequence& sequence);
 
 /** \brief Lists the images that could not be read on console.err. \return kFailed if there are any, else
  * kOk. */

@@ -85,10 +85,8 @@ private:
     params.distortion = !raw_depth_;
     MapMaking making(camera, params);
     making.setNumberOfThreads(threads());
-    for (std::size_t i = 0; i < sequence.frames().size(); ++i)
-      making.add(mapImage(sequence, i, input_.width, given_.at(sequence.frames()[i].stamp, pose_tolerance_),
-                          gravity_.at(sequence.frames()[i].stamp)));
-    if (!given_.empty()) making.setPosesByTime([this](double stamp) { return given_.interpolated(stamp); });
+    addImages(sequence, given_,
+              {input_.width, pose_tolerance_, [this](double stamp) { return gravity_.at(stamp); }}, making);
     return making;
   }
 
@@ -102,7 +100,8 @@ private:
                                              "nevertheless",
                                              finding.text()));
       }
-      console.find(finding);
+      finding.id == PoseCheck::kAccuracy ? console.keep(finding)
+                                         : console.find(finding);  // it is among the results
     }
   }
 
@@ -241,15 +240,11 @@ private:
     const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
     force_ = force_ || goes_on;  // it was judged when it was begun
     judge(readingFindings(sequence), console);
-    const bool is_checked = !goes_on && canBeReadAgain(sequence);
-    if (is_checked) {
-      making.checkGeometry();
-      if (!force_ && firstOf(making.findings().list(), Severity::refusal))
-        judge(making.findings().list(), console);
-    }
+    if (!goes_on && (given_.empty() || sequence.stamped())) checkRun(sequence, {}, making, force_);
+    if (!force_ && firstOf(making.findings().list(), Severity::refusal))
+      judge(making.findings().list(), console);
     int code = findTrajectory(sequence, making, console);
     writeTrajectory(sequence, making);
-    if (is_checked && !given_.empty() && sequence.stamped()) making.checkPoses();
     if (!goes_on) judge(making.findings().list(), console);
     if (const auto& check = making.findings().poses; check && check->isKnown())
       disagreement_ = check->as_given.toString();

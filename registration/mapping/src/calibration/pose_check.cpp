@@ -275,21 +275,22 @@ bool PoseCheck::isBeyondSense() const {
   return as_given.motions >= kEnoughToRefuse && isSenseless(as_given);
 }
 
-std::optional<Finding> PoseCheck::finding() const {
+Finding PoseCheck::finding() const {
   if (!isKnown())
-    return Finding{"poses.unchecked", Severity::note,
-                   fmt::format("the poses could not be checked: of {} motions that the images show, poses "
-                               "are known at both ends, and {} are needed",
-                               as_given.motions, kEnough),
-                   ""};
-  if (cause.empty() && !isBeyondSense()) return {};
+    return {"poses.unchecked", Severity::note,
+            fmt::format("the poses could not be checked: of {} motions that the images show, poses "
+                        "are known at both ends, and {} are needed",
+                        as_given.motions, kEnough),
+            ""};
+  const std::vector<Evidence> evidence = {{"rotation_deg", as_given.rotation_deg},
+                                          {"translation_m", as_given.translation},
+                                          {"motions", static_cast<double>(as_given.motions)}};
+  if (cause.empty() && !isBeyondSense())
+    return {"poses.accuracy", Severity::note, "poses and images disagree by " + as_given.toString(), "",
+            evidence};
   Finding found{convention.empty() ? "poses.disagree" : "poses.convention",
                 isBeyondSense() ? Severity::refusal : Severity::doubt,
-                "the poses disagree with the images by " + as_given.toString(),
-                "",
-                {{"rotation_deg", as_given.rotation_deg},
-                 {"translation_m", as_given.translation},
-                 {"motions", static_cast<double>(as_given.motions)}}};
+                "the poses disagree with the images by " + as_given.toString(), "", evidence};
   if (!cause.empty()) found.words += "; " + cause;
   if (mended.toString() != as_given.toString())
     found.words += "; so read, they disagree by " + mended.toString();

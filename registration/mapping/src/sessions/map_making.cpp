@@ -197,8 +197,7 @@ Findings MapFindings::list() const {
                      images),
          mostly ? "do both clocks show the same time (--time-offset)? Is --pose-tolerance too small?" : "",
          {{"without_pose", static_cast<double>(without_pose)}, {"images", static_cast<double>(images)}}});
-  if (poses)
-    if (auto found = poses->finding()) all.push_back(std::move(*found));
+  if (poses) all.push_back(poses->finding());
   for (const PoseJump& jump : jumps) all.push_back(jump.finding());
   if (trajectory) judge(*trajectory, all);
   if (distortion) judge(*distortion, trajectory.has_value(), all);

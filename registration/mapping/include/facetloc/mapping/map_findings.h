@@ -123,6 +123,9 @@ struct MotionRatio {
 
 /** \brief Comparison of poses with the motions that images show. */
 struct PoseCheck {
+  /** \brief Id of the finding on poses that agree with the images: how accurate they are. */
+  static constexpr const char* kAccuracy = "poses.accuracy";
+
   PoseDisagreement as_given;
   std::string cause;        ///< the fault of the poses that explains it, in words; else empty
   std::string convention;   ///< that explains it, as io's PoseReading takes it ("wxyz,inverse"); else empty
@@ -137,8 +140,8 @@ struct PoseCheck {
   /** \brief No map can be made of such poses: they are known, and in a wrong convention, or have nothing to
    * do with the images. */
   bool isBeyondSense() const;
-  /** \brief The fault of the poses, or that they could not be checked; nothing if they agree. */
-  std::optional<Finding> finding() const;
+  /** \brief The fault of the poses, their accuracy if they agree, or that they could not be checked. */
+  Finding finding() const;
 };
 
 /** \brief A step of the poses between neighbouring images that the images contradict: the tracking that gave
