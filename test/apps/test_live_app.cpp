@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The live tool as a user runs it: a process of its own, with the real OpenNI2 and our driver.
 #include "base/text.h"
+#include "cli/findings_file.h"
 #include "live_tool.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -127,6 +128,19 @@ TEST_F(LiveTool, LocalizesInAMap) {
       EXPECT_LE(*age, 100.0) << line;
     }
   }
+}
+
+TEST_F(LiveTool, NamesWhatIsWrongWithItsRecording) {
+  const std::string copy = folder_.copyOf(sequence(), "copy"), results = folder_ / "results";
+  CameraFile camera = *DepthSequence::open(copy).camera();
+  camera.depth_scale *= 40;
+  writeCameraFile(copy + "/camera.ini", camera);
+  const ToolRun run = ok(
+      runLive({"--device", copy, "--headless", "--every-frame", "--max-frames", "3", "--results", results}));
+  const Findings found = readFindings(results + "/" + kFindingsFile);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front().id, "values.scale");
+  EXPECT_THAT(run.err, HasSubstr(found.front().text())) << "the words of facetloc_check";
 }
 
 TEST_F(LiveTool, TakesItsOwnParameters) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The processing of a live run, fed by a grabber that has no camera.
+#include "live/live_findings.h"
 #include "live/live_session.h"
 #include "process.h"
 
@@ -141,6 +142,25 @@ protected:
   Answers answers_;
   LiveSessionOptions options_;
 };
+
+TEST(LiveFindings, AreOfSomeOfTheFirstFrames) {
+  const Intrinsics camera{40, 30, 40, 40, 19.5, 14.5};
+  LiveFindings findings({});
+  for (int number = 1; number <= 30; ++number) {
+    DepthImage image;
+    image.camera = camera;
+    for (int i = 0; i < camera.width * camera.height; ++i)
+      image.depth.push_back(0.04F + 0.0001F * static_cast<float>((i + number) % 100));
+    findings.add(static_cast<std::uint64_t>(number), image);
+  }
+  EXPECT_THAT(findings.take(), IsEmpty()) << "not enough frames yet";
+  findings.finish();
+  const Findings found = findings.take();
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front().id, "values.scale");
+  EXPECT_EQ(found.front().severity, Severity::refusal);
+  EXPECT_THAT(findings.take(), IsEmpty()) << "each once";
+}
 
 TEST_F(LiveSessionTest, SegmentsWithoutAMap) {
   LiveSession session(options_, nullptr, answers_.sink());

@@ -32,6 +32,24 @@ std::vector<std::string> wordsOf(const Findings& findings) {
   return words;
 }
 
+TEST(DepthValues, OfFramesAreJudgedAsThoseOfFiles) {
+  const TemporaryFolder folder;
+  ExampleSequence().write(folder.path());
+  const DepthSequence sequence = DepthSequence::open(folder.path());
+  std::vector<DepthImage> images;
+  for (std::size_t i = 0; i < sequence.frames().size(); ++i) images.push_back(sequence.load(i));
+  const auto ids = [&] {
+    std::vector<std::string> found;
+    for (const Finding& finding : depthFindings(images, std::numeric_limits<double>::infinity()))
+      found.push_back(finding.id);
+    return found;
+  };
+  EXPECT_THAT(ids(), Not(testing::Contains("values.scale")));
+  for (DepthImage& image : images)
+    for (float& z : image.depth) z *= 100;
+  EXPECT_THAT(ids(), testing::Contains("values.scale"));
+}
+
 TEST(DepthValues, FindNoFaultWithMillimetres) {
   const ValueCheck found = check([](int v) { return v; });
   EXPECT_THAT(found.findings, IsEmpty());

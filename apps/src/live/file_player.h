@@ -4,6 +4,7 @@
 #include "live/live_source.h"
 
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/depth_values.h>
 
 #include <condition_variable>
 #include <cstddef>
@@ -33,7 +34,8 @@ public:
   void next();
 
   const std::optional<CameraFile>& camera() const { return sequence_.camera(); }
-  const std::vector<std::string>& remarks() const { return sequence_.remarks(); }
+  /** \brief Findings of reading its files. */
+  Findings findings() const { return readingFindings(sequence_); }
   /** \brief Is there no image left? Never with repeat. */
   bool atEnd() const;
   /** \brief Why the last image that was skipped could not be read; empty if all could. */

@@ -2,12 +2,14 @@
 #include "live/live_run.h"
 
 #include "base/text.h"
+#include "cli/findings_file.h"
 #include "cli/stop_signal.h"
 #include "cli/text.h"
 #include "drawing/offscreen_display.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "live/live_extension.h"
+#include "live/live_findings.h"
 #include "live/live_picture.h"
 #include "live/live_results.h"
 #include "live/live_status.h"
@@ -28,6 +30,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -132,6 +135,15 @@ private:
     console_.note(text);
   }
 
+  /** Once for each kind, however often the source is opened again. */
+  void find(const Finding& finding) {
+    if (!found_.insert(finding.id).second) return;
+    status_.clear();
+    console_.find(finding);
+    if (finding.severity != Severity::note)
+      doubt_ = std::string(toString(finding.severity)) + ": " + finding.text();
+  }
+
   /** Once for each time that something is missing. */
   void tellThatItWaits(const std::string& cause) {
     const std::uint64_t received = session_ ? session_->mailbox().counts().received : 0;
@@ -147,7 +159,7 @@ private:
     while (!stopAsked() && !timeIsUp()) {
       try {
         source_ = std::make_unique<LiveSource>(options_.source, pipe_);
-        for (const std::string& remark : source_->remarks()) console_.note(remark);
+        for (const Finding& finding : source_->findings()) find(finding);
         return true;
       } catch (const IoError& e) {
         if (!options_.wait || (pipe_ && (pipe_->hasFailed() || pipe_->atEnd()))) throw;
@@ -196,7 +208,10 @@ private:
   void finish() {
     if (!session_) return;
     session_->finish([this] { drawScreenshots(); });
+    if (findings_) findings_->finish();
     tick();  // the last screenshot
+    if (!options_.results.empty() && console_.findings)
+      writeFindings(fs::path(options_.results) / kFindingsFile, *console_.findings);
     if (mapping_) mapping_->finish();
   }
 
@@ -250,6 +265,7 @@ private:
     if (options_.stream) stream_ = std::make_unique<PoseStream>(*options_.stream, options.camera.mounting);
     if (!options_.headless) window_ = std::make_unique<LiveWindow>("facetloc_live " + source_->name(), map_);
     if (!options_.screenshots.empty()) screenshot_ = std::make_unique<LiveScreenshot>(map_);
+    if (!options_.source.repeat) findings_ = std::make_unique<LiveFindings>(options.camera);
     session_ = std::make_unique<LiveSession>(options, map_,
                                              [this](const LiveResultPtr& result) { receive(result); });
   }
@@ -257,6 +273,7 @@ private:
   /** Called by the processing thread: writes data that must not be lost, leaves the rest to others. */
   void receive(const LiveResultPtr& result) {
     if (extension_) extension_->put(*result);
+    if (findings_) findings_->add(result->number, result->image.depth);
     if (results_ || stream_ || remembered_) {
       const FrameResult row = frameResult(*result, map_.get(), algorithms_.session.min_probability);
       if (results_) results_->append(*result, row);
@@ -328,6 +345,8 @@ private:
 
   void tick() {
     tellFaultsOfRobot();
+    if (findings_)
+      for (const Finding& finding : findings_->take()) find(finding);
     if (auto newest = newest_.take({})) {
       shown_ = newest->frame;
       rate_.update(shown_->number);
@@ -354,6 +373,7 @@ private:
     if (recorder_)
       footer.front() = fmt::format("RECORDING {},  {}", recording_.filename().string(), footer.front());
     if (session_ && session_->paused()) footer.front() = "PAUSED,  " + footer.front();
+    if (!doubt_.empty()) footer.insert(footer.begin(), doubt_);
     window_->show(*shown_, footer);
     const Clock::time_point end = Clock::now();
     next_draw_ = end + (end - start);
@@ -434,6 +454,9 @@ private:
   std::unique_ptr<LiveResults> results_;
   std::unique_ptr<PoseStream> stream_;
   std::unique_ptr<RememberedPose> remembered_;
+  std::unique_ptr<LiveFindings> findings_;  // null where a recording is repeated, whose frames are too
+  std::set<std::string> found_;             // ids
+  std::string doubt_;                       // the latest, in the window; may be empty
   std::unique_ptr<LiveExtension> extension_;
   LatestFrame<LiveResultPtr> newest_, to_draw_;
   std::unique_ptr<LiveSession> session_;

@@ -8,6 +8,7 @@
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_camera.h>
 #include <facetloc/io/v4l2_frames.h>
@@ -280,8 +281,12 @@ bool LiveSource::isFile() const {
   return !device_ || device_->isFile();
 }
 
-std::vector<std::string> LiveSource::remarks() const {
-  return player_ ? player_->remarks() : std::vector<std::string>();
+Findings LiveSource::findings() const {
+  if (player_) return player_->findings();
+  Findings found;
+  if (camera_)
+    if (auto optics = opticsFinding(camera_->camera.intrinsics)) found.push_back(std::move(*optics));
+  return found;
 }
 
 bool LiveSource::atEnd() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <facetloc/features/depth_image.h>
+#include <facetloc/features/finding.h>
 #include <facetloc/features/gravity.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/frame_grabber.h>
@@ -88,8 +89,9 @@ public:
   bool isPipe() const { return pipe_ != nullptr; }
   /** \brief The driver's message about that, or about an image that it could not read; may be empty. */
   std::string lastError() const;
-  /** \brief Remarks for the user, sentences without full stop. */
-  std::vector<std::string> remarks() const;
+  /** \brief Findings of how it is read, before any frame: of its files as facetloc_check has them, else of
+   * its calibration. */
+  Findings findings() const;
   /** \brief The device of OpenNI2; nothing for files that are played without it. */
   const OpenNIGrabber* device() const { return device_; }
 

@@ -7,6 +7,7 @@
 #include <facetloc/io/png.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -215,6 +216,24 @@ ValueCheck checkValues(DepthValues values, double depth_scale) {
     scale(fmt::format("{:.0f} % of the depths are beyond 10 m, farther than depth cameras measure",
                       100 * check.share_beyond_10m));
   return check;
+}
+
+Findings depthFindings(const std::vector<DepthImage>& images, double max_depth) {
+  constexpr double kMillimetres = 1000, kLargest = kNotMeasured - 1;
+  Counter counter;
+  for (const DepthImage& image : images) {
+    Raster<std::uint16_t> values{image.camera.width, image.camera.height, 1, {}};
+    for (const float z : image.depth)
+      values.data.push_back(facetloc::isMeasured(z) ? static_cast<std::uint16_t>(
+                                                          std::lround(std::min(kMillimetres * z, kLargest)))
+                                                    : std::uint16_t{0});
+    counter.add(values);
+  }
+  Findings all;
+  for (Finding& finding : checkValues(std::move(counter).result(), kMillimetres).findings)
+    if (finding.id == "values.scale") all.push_back(std::move(finding));
+  append(internal::valueFindings(images, max_depth), all);
+  return all;
 }
 
 Findings readingFindings(const DepthSequence& sequence) {

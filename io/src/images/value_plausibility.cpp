@@ -43,18 +43,23 @@ bool isStretched(const std::vector<Value>& values, std::initializer_list<Value> 
   return std::find(limits.begin(), limits.end(), largest) != limits.end() && next >= kClose * largest;
 }
 
-ValueImage readImage(const DepthSequence& sequence, std::size_t index) {
+ValueImage valueImage(const DepthImage& depth) {
   ValueImage image;
+  image.depth = workingImage(depth);
+  for (const float z : image.depth.depth)
+    if (isMeasured(z)) image.measured.push_back(z);
+  return image;
+}
+
+ValueImage readImage(const DepthSequence& sequence, std::size_t index) {
   const DepthImage depth = sequence.load(index);
+  ValueImage image = valueImage(depth);
   const auto& path = sequence.frames()[index].path;
   constexpr int kBits = 16;
   if (isPng(path))
     image.stretched = isStretched<std::uint16_t>(readGreyPng(path, kBits).data, {255, 65535});
   else
     image.stretched = isStretched<float>(depth.depth, {1.0F});
-  image.depth = workingImage(depth);
-  for (const float z : image.depth.depth)
-    if (isMeasured(z)) image.measured.push_back(z);
   return image;
 }
 
@@ -258,12 +263,8 @@ void checkLimits(const std::vector<ValueImage>& images, const std::vector<float>
   }
 }
 
-}  // namespace
-
-Findings valueFindings(const DepthSequence& sequence) {
+Findings judged(const std::vector<ValueImage>& images, double max_depth) {
   Findings found;
-  if (sequence.ofSegments()) return found;
-  const std::vector<ValueImage> images = readImages(sequence);
   if (images.empty()) return found;
   checkSingle(images, found);
   if (firstOf(found, Severity::refusal)) return found;
@@ -272,10 +273,25 @@ Findings valueFindings(const DepthSequence& sequence) {
   const std::vector<float> sorted = sortedDepths(images);
   if (checkBuffer(sorted, found)) return found;
   checkInverted(images, found);
-  const double max_depth =
-      sequence.camera() ? sequence.camera()->camera.max_depth : std::numeric_limits<double>::infinity();
   checkLimits(images, sorted, max_depth, found);
   return found;
+}
+
+}  // namespace
+
+Findings valueFindings(const DepthSequence& sequence) {
+  if (sequence.ofSegments()) return {};
+  const double max_depth =
+      sequence.camera() ? sequence.camera()->camera.max_depth : std::numeric_limits<double>::infinity();
+  return judged(readImages(sequence), max_depth);
+}
+
+Findings valueFindings(const std::vector<DepthImage>& images, double max_depth) {
+  std::vector<ValueImage> values;
+  for (const DepthImage& image : images)
+    if (ValueImage value = valueImage(image); value.measured.size() >= kLeastPixels)
+      values.push_back(std::move(value));
+  return judged(values, max_depth);
 }
 
 }  // namespace facetloc::internal

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/depth_image.h>
 #include <facetloc/features/finding.h>
 #include <facetloc/io/depth_sequence.h>
+
+#include <vector>
 
 namespace facetloc::internal {
 
@@ -11,5 +14,7 @@ namespace facetloc::internal {
  * depths that grow towards the camera, and limits stored as depths. Images that cannot be read are left out.
  */
 Findings valueFindings(const DepthSequence& sequence);
+/** \brief The same on images that are in memory, whose format is not known. */
+Findings valueFindings(const std::vector<DepthImage>& images, double max_depth);
 
 }  // namespace facetloc::internal
