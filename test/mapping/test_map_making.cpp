@@ -126,6 +126,59 @@ TEST(MapMaking, NamesTheProblemWhereThereIsNoMap) {
   EXPECT_EQ(black.findings().problem, "none of the images makes a local model");
 }
 
+/** Images with poses that some of them have otherwise. */
+MapMaking makingWith(const std::function<Eigen::Isometry3d(int number)>& pose) {
+  MapMakingParams params;
+  params.any_reading = true;
+  MapMaking making({}, params);
+  for (int i = 0; i < kImages; ++i) {
+    MapImage image = imageOf(i, kStep * i, true);
+    image.T_w_c = pose(i);
+    making.add(image);
+  }
+  return making;
+}
+
+TEST(MapMaking, PosesThatBeginAnewArePartsOfTheMap) {
+  MapMaking anew = makingWith([](int i) {
+    return i < kImages / 2 ? onCircle(kStep * i)
+                           : onCircle(kStep * kImages / 2).inverse() * onCircle(kStep * i);
+  });
+  const Map map = anew.finish();
+  ASSERT_EQ(anew.findings().jumps.size(), 1u);
+  EXPECT_EQ(anew.findings().jumps.front().image, std::size_t(kImages / 2));
+  ASSERT_EQ(map.parts.size(), 2u);
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const int number = std::stoi(map.models[i].name.substr(5));
+    EXPECT_EQ(map.partOf(static_cast<int>(i)).empty(), number < kImages / 2) << number;
+    if (number < kImages / 2) {
+      EXPECT_THAT(*map.models[i].T_w_m, PoseNear(onCircle(kStep * number), 1e-9, 1e-9)) << number;
+    }
+  }
+  for (const Link& link : map.links) EXPECT_EQ(map.partOf(link.from), map.partOf(link.to));
+}
+
+TEST(MapMaking, ASingleFarPoseDividesNothing) {
+  MapMaking one = makingWith(
+      [](int i) { return i == 10 ? Eigen::Isometry3d(Eigen::Translation3d(0, 0, 5)) : onCircle(kStep * i); });
+  one.checkPoses();
+  EXPECT_EQ(one.findings().jumps.size(), 2u);
+  EXPECT_TRUE(one.pose(9));
+  EXPECT_FALSE(one.pose(10));
+  EXPECT_TRUE(one.pose(11));
+}
+
+TEST(MapMaking, NamesASinglePoseThatIsOff) {
+  MapMaking one =
+      makingWith([](int i) { return Eigen::Translation3d(0, 0, i == 10 ? 0.6 : 0) * onCircle(kStep * i); });
+  one.checkPoses();
+  EXPECT_THAT(one.findings().jumps, IsEmpty());
+  EXPECT_THAT(one.findings().poses->outliers, testing::Contains(testing::Truly([](const PoseOutlier& o) {
+                return std::abs(o.stamp_a - 2) < 1e-9 || std::abs(o.stamp_b - 2) < 1e-9;
+              })));
+  EXPECT_FALSE(one.findings().poses->hasTail());
+}
+
 TEST(MapMaking, RefusesPosesThatTheImagesContradict) {
   const auto inverted = [](bool any_reading) {
     MapMakingParams params;

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -61,6 +62,28 @@ TEST(PoseCheck, TruePosesAreFine) {
   EXPECT_FALSE(found.isBeyondSense());
   EXPECT_EQ(found.as_given.motions, 40u);
   EXPECT_THAT(found.as_given.toString(), HasSubstr("median of 40 motions"));
+}
+
+TEST(PoseCheck, ListsSingleMotionsThatAreOff) {
+  const Findings found = check(trueCamera).list();
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].id, PoseCheck::kAccuracy);
+  EXPECT_EQ(found[1].id, "poses.outliers");
+  EXPECT_EQ(found[1].severity, Severity::note) << "images are wrong, too, now and then";
+  EXPECT_THAT(found[1].words, HasSubstr("between 4.600 and 4.900 s"));
+}
+
+TEST(PoseCheck, AMedianAloneCallsNoPosesGood) {
+  const PoseCheck found = check([](double t) {
+    const double off = t > 12 ? 0.5 * std::sin(40 * t) : 0;
+    return Eigen::Isometry3d(Eigen::Translation3d(off, off, 0) * trueCamera(t));
+  });
+  EXPECT_LT(found.as_given.translation, 0.02) << "of most motions";
+  EXPECT_TRUE(found.hasTail());
+  const Findings all = found.list();
+  EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const Finding& finding) {
+    return finding.id == "poses.outliers" && finding.severity == Severity::doubt;
+  }));
 }
 
 TEST(PoseCheck, NoisyPosesAreNoWrongOnes) {

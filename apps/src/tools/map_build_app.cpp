@@ -240,13 +240,14 @@ private:
     const bool goes_on = resume_ && isThere(map_) && !MapDatabase::open(map_).modelNames().empty();
     force_ = force_ || goes_on;  // it was judged when it was begun
     judge(readingFindings(sequence), console);
-    if (!goes_on && (given_.empty() || sequence.stamped())) checkRun(sequence, {}, making, force_);
+    // A build that goes on divides the poses where it did.
+    if (given_.empty() ? !goes_on : sequence.stamped()) checkRun(sequence, {}, making, force_);
     if (!force_ && firstOf(making.findings().list(), Severity::refusal))
       judge(making.findings().list(), console);
     int code = findTrajectory(sequence, making, console);
     writeTrajectory(sequence, making);
     if (!goes_on) judge(making.findings().list(), console);
-    if (const auto& check = making.findings().poses; check && check->isKnown())
+    if (const auto& check = making.findings().poses; !goes_on && check && check->isKnown())
       disagreement_ = check->as_given.toString();
     const std::vector<MapPlace> places = placesOf(sequence, making);
     const auto buildAt = [&](const fs::path& path) {

@@ -22,7 +22,9 @@ constexpr double kDegrees = 1, kMetres = 0.02;          // equally weighted part
 constexpr double kFineDegrees = 1, kFineMetres = 0.02;  // poses as good as that have no fault worth a word
 constexpr double kFarDegrees = 3, kFarMetres = 0.04;    // beyond those of usable public recordings
 constexpr double kSenselessDegrees = 5, kSenselessMetres = 0.2;
-constexpr double kBetter = 0.5;  // share of the disagreement that is left without a fault
+constexpr double kBetter = 0.5;     // share of the disagreement that is left without a fault
+constexpr double kOutlying = 5;     // times the usual disagreement
+constexpr double kMostTail = 0.15;  // share of outlying motions that images alone get wrong
 
 enum class Axes { optical, base, opengl };
 
@@ -67,12 +69,14 @@ struct Error {
   double cost() const { return degrees / kDegrees + metres / kMetres; }
 };
 
+Error errorOf(const Pair& pair) {
+  const Eigen::Isometry3d d = pair.by_images.inverse() * pair.by_poses;
+  return {rotationAngle(d.linear()) / kDegree, d.translation().norm()};
+}
+
 std::vector<Error> errorsOf(const std::vector<Pair>& pairs) {
   std::vector<Error> errors;
-  for (const Pair& p : pairs) {
-    const Eigen::Isometry3d d = p.by_images.inverse() * p.by_poses;
-    errors.push_back({rotationAngle(d.linear()) / kDegree, d.translation().norm()});
-  }
+  for (const Pair& pair : pairs) errors.push_back(errorOf(pair));
   return errors;
 }
 
@@ -212,6 +216,20 @@ void compareLengths(const std::vector<SeenMotion>& motions, const PosesByTime& p
   check.turns = motionRatio(std::move(turns));
 }
 
+void findOutliers(const std::vector<SeenMotion>& motions, const PosesByTime& poses, PoseCheck& check) {
+  const double degrees = kOutlying * std::max(check.as_given.rotation_deg, kFineDegrees / kOutlying),
+               metres = kOutlying * std::max(check.as_given.translation, kFineMetres / kOutlying);
+  for (const SeenMotion& motion : motions) {
+    const auto a = poses(motion.stamp_a), b = poses(motion.stamp_b);
+    if (!a || !b) continue;
+    const Error error = errorOf({a->inverse() * *b, motion.T_a_b});
+    if (error.degrees > degrees || error.metres > metres)
+      check.outliers.push_back({motion.stamp_a, motion.stamp_b, error.degrees, error.metres});
+  }
+  if (check.as_given.motions > 0)
+    check.tail = static_cast<double>(check.outliers.size()) / static_cast<double>(check.as_given.motions);
+}
+
 std::string turnsInWords(const MotionRatio& r) {
   return fmt::format("the images turn {:.3f} times as much as their poses (+- {:.3f})", r.ratio, r.std);
 }
@@ -252,6 +270,42 @@ bool isSenseless(const PoseDisagreement& d) {
   return d.rotation_deg > kSenselessDegrees || d.translation > kSenselessMetres;
 }
 
+Finding faultOf(const PoseCheck& check, const std::vector<Evidence>& evidence) {
+  Finding found{check.convention.empty() ? "poses.disagree" : "poses.convention",
+                check.isBeyondSense() ? Severity::refusal : Severity::doubt,
+                "the poses disagree with the images by " + check.as_given.toString(), "", evidence};
+  if (!check.cause.empty()) found.words += "; " + check.cause;
+  if (check.mended.toString() != check.as_given.toString())
+    found.words += "; so read, they disagree by " + check.mended.toString();
+  if (!check.convention.empty())
+    found.cure = "--poses-are " + check.convention + " reads them so";
+  else if (check.isBeyondSense())
+    found.cure = "--without-poses lets facetloc_map build find its own";
+  return found;
+}
+
+/** The largest ones first. */
+Finding outliersOf(const PoseCheck& check) {
+  constexpr std::size_t kMostNamed = 5;
+  std::vector<PoseOutlier> sorted = check.outliers;
+  const auto cost = [](const PoseOutlier& o) { return Error{o.rotation_deg, o.translation}.cost(); };
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](const PoseOutlier& a, const PoseOutlier& b) { return cost(a) > cost(b); });
+  std::vector<std::string> named;
+  for (std::size_t i = 0; i < std::min(sorted.size(), kMostNamed); ++i)
+    named.push_back(fmt::format("between {:.3f} and {:.3f} s by {:.2f} m and {:.1f} deg", sorted[i].stamp_a,
+                                sorted[i].stamp_b, sorted[i].translation, sorted[i].rotation_deg));
+  if (sorted.size() > kMostNamed) named.push_back(fmt::format("and at {} more", sorted.size() - kMostNamed));
+  return {
+      "poses.outliers",
+      check.hasTail() ? Severity::doubt : Severity::note,
+      fmt::format("single poses, or the motions that their images show, are beyond {:.0f} times the usual "
+                  "disagreement: {}",
+                  kOutlying, fmt::join(named, "; ")),
+      check.hasTail() ? "look at the poses at these times" : "",
+      {{"outliers", static_cast<double>(sorted.size())}, {"share", check.tail}}};
+}
+
 }  // namespace
 
 std::string PoseDisagreement::toString() const {
@@ -275,29 +329,28 @@ bool PoseCheck::isBeyondSense() const {
   return as_given.motions >= kEnoughToRefuse && isSenseless(as_given);
 }
 
-Finding PoseCheck::finding() const {
+bool PoseCheck::hasTail() const {
+  constexpr std::size_t kSeveral = 3;
+  return tail > kMostTail && tail * static_cast<double>(as_given.motions) >= kSeveral;
+}
+
+Findings PoseCheck::list() const {
   if (!isKnown())
-    return {"poses.unchecked", Severity::note,
-            fmt::format("the poses could not be checked: of {} motions that the images show, poses "
-                        "are known at both ends, and {} are needed",
-                        as_given.motions, kEnough),
-            ""};
+    return {{"poses.unchecked", Severity::note,
+             fmt::format("the poses could not be checked: of {} motions that the images show, poses "
+                         "are known at both ends, and {} are needed",
+                         as_given.motions, kEnough),
+             ""}};
+  Findings found;
   const std::vector<Evidence> evidence = {{"rotation_deg", as_given.rotation_deg},
                                           {"translation_m", as_given.translation},
                                           {"motions", static_cast<double>(as_given.motions)}};
   if (cause.empty() && !isBeyondSense())
-    return {"poses.accuracy", Severity::note, "poses and images disagree by " + as_given.toString(), "",
-            evidence};
-  Finding found{convention.empty() ? "poses.disagree" : "poses.convention",
-                isBeyondSense() ? Severity::refusal : Severity::doubt,
-                "the poses disagree with the images by " + as_given.toString(), "", evidence};
-  if (!cause.empty()) found.words += "; " + cause;
-  if (mended.toString() != as_given.toString())
-    found.words += "; so read, they disagree by " + mended.toString();
-  if (!convention.empty())
-    found.cure = "--poses-are " + convention + " reads them so";
-  else if (isBeyondSense())
-    found.cure = "--without-poses lets facetloc_map build find its own";
+    found.push_back({"poses.accuracy", Severity::note, "poses and images disagree by " + as_given.toString(),
+                     "", evidence});
+  else
+    found.push_back(faultOf(*this, evidence));
+  if (!outliers.empty()) found.push_back(outliersOf(*this));
   return found;
 }
 
@@ -321,8 +374,8 @@ Finding PoseJump::finding() const {
                   by_images ? "move by " + words(*by_images) : "show nothing in common"),
       "make recordings of the parts before and after it, or let facetloc_map build --without-poses find its "
       "own",
-      {{"translation_m", by_poses.translation().norm()},
-       {"rotation_deg", rotationAngle(by_poses.linear()) / kDegree},
+      {{"jump_m", by_poses.translation().norm()},
+       {"jump_deg", rotationAngle(by_poses.linear()) / kDegree},
        {"seconds", stamp_b - stamp_a}}};
 }
 
@@ -331,8 +384,9 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
   PoseCheck check;
   check.as_given = check.mended = disagreementOf(trial.pairs({}));
   compareLengths(motions, poses, check);
+  findOutliers(motions, poses, check);
   const std::string of_lengths = faultOfLengths(check);
-  const bool fine = of_lengths.empty() && check.as_given.motions >= kEnough &&
+  const bool fine = of_lengths.empty() && !check.hasTail() && check.as_given.motions >= kEnough &&
                     check.as_given.rotation_deg <= kFineDegrees && check.as_given.translation <= kFineMetres;
   if (fine || motions.size() < kEnough) return check;
   const Reading best = trial.withBestDelay(trial.withBestScale(trial.bestConvention()));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/image_run.h"
 
+#include "base/median.h"
 #include "base/odometry_steps.h"
 
 #include <facetloc/registration/pair_registration.h>
@@ -31,10 +32,40 @@ std::vector<SeenMotion> motionsOf(const CameraTrajectory& trajectory) {
   return motions;
 }
 
-/** Turn and distance of a motion, equally weighted as those of steps between images. */
-double lengthOf(const Eigen::Isometry3d& T) {
+/** Turn [rad] and distance [m] of a motion, equally weighted as those of steps between images. */
+double lengthOf(double turn, double distance) {
   constexpr double kTurn = 10 * kDegree, kDistance = 0.2;  // [rad, m]
-  return rotationAngle(T.linear()) / kTurn + T.translation().norm() / kDistance;
+  return turn / kTurn + distance / kDistance;
+}
+double lengthOf(const Eigen::Isometry3d& T) {
+  return lengthOf(rotationAngle(T.linear()), T.translation().norm());
+}
+
+/** A step between neighbouring images by their poses. */
+struct PoseStep {
+  std::size_t first = 0;  // image
+  double length = 0;
+  double excess = 0;  // beyond the median of it and the two steps before and after it
+};
+
+double medianOf(const std::vector<PoseStep>& steps, double PoseStep::*quantity) {
+  std::vector<double> values;
+  for (const PoseStep& step : steps) values.push_back(std::abs(step.*quantity));
+  return median(std::move(values));
+}
+
+std::vector<PoseStep> stepsOf(const std::vector<MapImage>& images) {
+  constexpr std::size_t kAround = 2;
+  std::vector<PoseStep> steps;
+  for (std::size_t i = 0; i + 1 < images.size(); ++i)
+    if (images[i].T_w_c && images[i + 1].T_w_c)
+      steps.push_back({i, lengthOf(images[i].T_w_c->inverse() * *images[i + 1].T_w_c), 0});
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const auto begin = steps.begin() + static_cast<std::ptrdiff_t>(k - std::min(k, kAround));
+    const auto end = steps.begin() + static_cast<std::ptrdiff_t>(std::min(steps.size(), k + kAround + 1));
+    steps[k].excess = steps[k].length - medianOf({begin, end}, &PoseStep::length);
+  }
+  return steps;
 }
 
 /** A view as of a camera in the hand, whatever is known of its mounting. */
@@ -153,29 +184,41 @@ void ImageRun::level(CameraTrajectory& trajectory) const {
   for (Keyframe& keyframe : trajectory.keyframes) keyframe.T_w_c = upright(keyframe.part) * keyframe.T_w_c;
 }
 
-std::vector<PoseJump> ImageRun::poseJumps() const {
-  constexpr double kLonger = 5;  // times the usual step
+std::vector<PoseJump> ImageRun::poseJumps(PoseCheck& check) const {
+  constexpr double kLonger = 5, kLeast = 0.04;  // times the usual step, or excess; least usual excess
   constexpr std::size_t kMostTried = 8;
-  std::vector<std::pair<double, std::size_t>> steps;  // length and first image
-  for (std::size_t i = 0; i + 1 < images.size(); ++i)
-    if (images[i].T_w_c && images[i + 1].T_w_c)
-      steps.emplace_back(lengthOf(images[i].T_w_c->inverse() * *images[i + 1].T_w_c), i);
-  std::sort(steps.rbegin(), steps.rend());
+  std::vector<PoseStep> steps = stepsOf(images);
   if (steps.empty()) return {};
-  const double usual = std::max(1.0, steps[steps.size() / 2].first);
+  const double usual = std::max(1.0, medianOf(steps, &PoseStep::length)),
+               usual_excess = std::max(kLeast, medianOf(steps, &PoseStep::excess));
+  std::stable_sort(steps.begin(), steps.end(),
+                   [](const PoseStep& a, const PoseStep& b) { return a.excess > b.excess; });
+  const double disagreement = lengthOf(check.as_given.rotation_deg * kDegree, check.as_given.translation);
   std::vector<PoseJump> jumps;
   ViewBuilders builders(camera, view);
-  for (std::size_t k = 0; k < std::min(steps.size(), kMostTried) && steps[k].first > kLonger * usual; ++k)
+  const auto viewOf = [&](std::size_t i) { return unmounted(builders.build(images[i])); };
+  for (std::size_t k = 0; k < std::min(steps.size(), kMostTried) && steps[k].excess > kLonger * usual_excess;
+       ++k)
     try {
-      const std::size_t i = steps[k].second;
+      const std::size_t i = steps[k].first;
       PoseJump jump{
-          images[i].stamp, images[i + 1].stamp, images[i].T_w_c->inverse() * *images[i + 1].T_w_c, {}};
-      const Localization seen = PairRegistration(unmounted(builders.build(images[i])))
-                                    .align(unmounted(builders.build(images[i + 1])));
-      if (seen.state == AnswerState::sure) jump.by_images = seen.hypotheses.front().T_m_c.T;
-      const bool contradicted =
-          jump.by_images && lengthOf(jump.by_images->inverse() * jump.by_poses) > kLonger * usual;
-      if (contradicted || (!jump.by_images && jump.isTooFast())) jumps.push_back(std::move(jump));
+          i + 1, images[i].stamp, images[i + 1].stamp, images[i].T_w_c->inverse() * *images[i + 1].T_w_c, {}};
+      const bool is_far = steps[k].length > kLonger * usual;
+      const Localization seen = PairRegistration(viewOf(i)).align(viewOf(i + 1));
+      if (seen.state != AnswerState::sure) {
+        if (is_far && jump.isTooFast()) jumps.push_back(std::move(jump));
+        continue;
+      }
+      const PoseWithCovariance& by_images = seen.hypotheses.front().T_m_c;
+      jump.by_images = by_images.T;
+      const Eigen::Isometry3d off = by_images.T.inverse() * jump.by_poses;
+      const double deviation =
+          disagreement + lengthOf(largestRotationStd(by_images.P), largestTranslationStd(by_images.P));
+      if (is_far && lengthOf(off) > kLonger * usual)
+        jumps.push_back(std::move(jump));
+      else if (lengthOf(off) > kLonger * std::max(kLeast, deviation))
+        check.outliers.push_back(
+            {jump.stamp_a, jump.stamp_b, rotationAngle(off.linear()) / kDegree, off.translation().norm()});
     } catch (const std::exception&) {  // the image is named when it is read for the map
     }
   return jumps;

@@ -58,9 +58,10 @@ struct ImageRun {
   /** \brief How the camera moved at some places of the run, by its images alone: pairs of images, of which
    * one is registered with the other and the answer is sure. Images that cannot be read are left out. */
   std::vector<SeenMotion> seenMotions() const;
-  /** \brief Steps between neighbouring images that are far longer than the others by the poses, and shorter
-   * by the images, or too fast for any camera. */
-  std::vector<PoseJump> poseJumps() const;
+  /** \brief Looks at steps between neighbouring images that are longer by the poses than those around them:
+   * jumps if they are far longer than usual, and shorter by the images or too fast for any camera; else
+   * outliers of the check if the images contradict them. The largest first. */
+  std::vector<PoseJump> poseJumps(PoseCheck& check) const;
 };
 
 }  // namespace facetloc::internal

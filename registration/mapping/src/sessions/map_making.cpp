@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -197,7 +198,7 @@ Findings MapFindings::list() const {
                      images),
          mostly ? "do both clocks show the same time (--time-offset)? Is --pose-tolerance too small?" : "",
          {{"without_pose", static_cast<double>(without_pose)}, {"images", static_cast<double>(images)}}});
-  if (poses) all.push_back(poses->finding());
+  if (poses) append(poses->list(), all);
   for (const PoseJump& jump : jumps) all.push_back(jump.finding());
   if (trajectory) judge(*trajectory, all);
   if (distortion) judge(*distortion, trajectory.has_value(), all);
@@ -214,9 +215,14 @@ struct MapMaking::Impl {
   bool findsTrajectory() const { return params.every == 0 && !run.images.empty() && !run.hasPoses(); }
   int partOf(std::size_t image) const {
     const auto& found = findings.trajectory;
-    return found ? found->partOf(found->images[image]) : 0;
+    if (found) return found->partOf(found->images[image]);
+    if (begins.empty()) return 0;
+    return part_between[std::upper_bound(begins.begin(), begins.end(), image) - begins.begin()];
   }
+  void split();
   std::optional<Eigen::Isometry3d> pose(std::size_t image) const;
+  /** Pose in the world of its part. */
+  std::optional<Eigen::Isometry3d> poseInPart(std::size_t image) const;
   std::vector<PosedPicture> pictures(std::vector<DepthPicture>& depth) const;
   void calibrate();
   std::vector<Link> linksOfPoses(const std::vector<std::size_t>& images) const;
@@ -230,14 +236,43 @@ struct MapMaking::Impl {
   ImageRun run;
   PosesByTime poses_by_time;
   MapFindings findings;
-  std::vector<int> parts;   // parts of the trajectory, the largest first
-  bool calibrated = false;  // uses the final poses
+  std::vector<int> parts;           // parts of the trajectory, the largest first
+  std::vector<std::size_t> begins;  // images with which given poses begin anew
+  std::vector<int> part_between;    // part before the first of them, and from each on
+  bool calibrated = false;          // uses the final poses
 };
 
 std::optional<Eigen::Isometry3d> MapMaking::Impl::pose(std::size_t image) const {
-  if (!findings.trajectory) return run.images[image].T_w_c;
-  if (partOf(image) != parts.front()) return {};
-  return findings.trajectory->images[image].T_w_c;
+  if (!parts.empty() && partOf(image) != parts.front()) return {};
+  return poseInPart(image);
+}
+
+std::optional<Eigen::Isometry3d> MapMaking::Impl::poseInPart(std::size_t image) const {
+  return findings.trajectory ? findings.trajectory->images[image].T_w_c : run.images[image].T_w_c;
+}
+
+/** Poses that begin anew are of another world, unless they come back at once: the largest part is the map's.
+ */
+void MapMaking::Impl::split() {
+  constexpr double kAtOnce = 1;  // [s]
+  if (findings.trajectory) return;
+  begins.clear();
+  for (const PoseJump& jump : findings.jumps)
+    if (jump.isTooFast()) begins.push_back(jump.image);
+  std::sort(begins.begin(), begins.end());
+  part_between = {0};
+  for (std::size_t k = 0; k < begins.size(); ++k) {
+    part_between.push_back(static_cast<int>(k) + 1);
+    if (k == 0) continue;
+    const MapImage &before = run.images[begins[k - 1] - 1], &now = run.images[begins[k]];
+    const PoseJump both{begins[k], before.stamp, now.stamp, before.T_w_c->inverse() * *now.T_w_c, {}};
+    if (now.stamp - before.stamp <= kAtOnce && !both.isTooFast()) part_between[k + 1] = part_between[k - 1];
+  }
+  std::vector<std::size_t> sizes(part_between.size());
+  for (std::size_t i = 0; i < run.images.size(); ++i) sizes[partOf(i)] += run.images[i].T_w_c.has_value();
+  parts.resize(sizes.size());
+  std::iota(parts.begin(), parts.end(), 0);
+  std::stable_sort(parts.begin(), parts.end(), [&](int a, int b) { return sizes[a] > sizes[b]; });
 }
 
 /** Images of the whole run; the same for any number of threads. Those that cannot be read are empty. */
@@ -274,8 +309,8 @@ std::vector<Link> MapMaking::Impl::linksOfPoses(const std::vector<std::size_t>& 
   const MapBuilder rule(params.places);
   std::vector<Link> links;
   for (std::size_t i = 1; i < images.size(); ++i) {
-    const auto before = pose(images[i - 1]), now = pose(images[i]);
-    if (before && now)
+    const auto before = poseInPart(images[i - 1]), now = poseInPart(images[i]);
+    if (before && now && partOf(images[i - 1]) == partOf(images[i]))
       links.push_back(rule.link(static_cast<int>(i) - 1, static_cast<int>(i), *before, *now));
   }
   return links;
@@ -369,7 +404,8 @@ void MapMaking::checkPoses() {
       m.run.images.begin(), m.run.images.end(), [](const MapImage& image) { return !image.T_w_c; }));
   m.findings.poses =
       internal::checkPoses(m.run.seenMotions(), m.poses_by_time ? m.poses_by_time : posesOf(m.run.images));
-  m.findings.jumps = m.run.poseJumps();
+  m.findings.jumps = m.run.poseJumps(*m.findings.poses);
+  m.split();
 }
 
 std::vector<MapPlace> MapMaking::places() const {
@@ -378,8 +414,7 @@ std::vector<MapPlace> MapMaking::places() const {
   std::map<int, MapBuilder> rules;  // rules of each part
   for (std::size_t i = 0; i < m.run.images.size(); ++i) {
     const auto T_w_m = m.pose(i);
-    const auto& found = m.findings.trajectory;
-    const auto by_rule = found ? std::optional(found->images[i].T_w_c) : T_w_m;
+    const auto by_rule = m.poseInPart(i);
     MapBuilder& rule = rules.try_emplace(m.partOf(i), m.params.places).first->second;
     if (m.params.every > 0 ? i % static_cast<std::size_t>(m.params.every) == 0
                            : by_rule && rule.accept(*by_rule))

@@ -121,6 +121,13 @@ struct MotionRatio {
   double certainAngleDeg() const;
 };
 
+/** \brief A motion between two images whose poses are farther from the images than 5 times the deviation of
+ * all: one of the two poses may be wrong. */
+struct PoseOutlier {
+  double stamp_a = 0, stamp_b = 0;           ///< times of the images [s]
+  double rotation_deg = 0, translation = 0;  ///< disagreement [deg, m]
+};
+
 /** \brief Comparison of poses with the motions that images show. */
 struct PoseCheck {
   /** \brief Id of the finding on poses that agree with the images: how accurate they are. */
@@ -132,6 +139,8 @@ struct PoseCheck {
   PoseDisagreement mended;  ///< without that fault
   bool wrong_convention = false;  ///< wrong order of numbers, axes or units, which is more than an inaccuracy
   MotionRatio distances, turns;   ///< ratios for the poses as given
+  std::vector<PoseOutlier> outliers;  ///< single motions, and steps of single poses
+  double tail = 0;                    ///< share of the motions among them
 
   /** \brief A sentence without full stop for each ratio that is certainly not 1. */
   std::vector<std::string> ratiosInWords() const;
@@ -140,18 +149,23 @@ struct PoseCheck {
   /** \brief No map can be made of such poses: they are known, and in a wrong convention, or have nothing to
    * do with the images. */
   bool isBeyondSense() const;
-  /** \brief The fault of the poses, their accuracy if they agree, or that they could not be checked. */
-  Finding finding() const;
+  /** \brief Do more motions disagree with the images than these alone get wrong, whatever the median says? */
+  bool hasTail() const;
+  /** \brief The fault of the poses, their accuracy if they agree, or that they could not be checked; then
+   * their outliers, with their times. */
+  Findings list() const;
 };
 
 /** \brief A step of the poses between neighbouring images that the images contradict: the tracking that gave
  * the poses was lost, and has begun anew. */
 struct PoseJump {
+  std::size_t image = 0;            ///< number of the image after it
   double stamp_a = 0, stamp_b = 0;  ///< times of the images before and after it [s]
   Eigen::Isometry3d by_poses = Eigen::Isometry3d::Identity();  ///< pose of the second camera in the first
   std::optional<Eigen::Isometry3d> by_images;                  ///< unless they show nothing in common
 
-  /** \brief Is it faster than robots and people move a camera? */
+  /** \brief Is it faster than robots and people move a camera? The poses begin anew then, in a part of the
+   * map of their own. */
   bool isTooFast() const;
   Finding finding() const;
 };
