@@ -103,6 +103,7 @@ TEST_F(Rules, NumbersAnywhereInNamesOrderTheImages) {
   EXPECT_TRUE(sequence.stamped());
   EXPECT_NEAR(sequence.frames()[2].stamp, 10 / 30.0, 1e-9);
   EXPECT_THAT(sequence.remark(), HasSubstr("only numbered"));
+  EXPECT_FALSE(sequence.timed()) << "at an assumed rate";
 }
 
 TEST_F(Rules, TimesAnywhereInNamesAreTimes) {

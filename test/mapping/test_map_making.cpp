@@ -158,6 +158,21 @@ TEST(MapMaking, PosesThatBeginAnewArePartsOfTheMap) {
   for (const Link& link : map.links) EXPECT_EQ(map.partOf(link.from), map.partOf(link.to));
 }
 
+TEST(MapMaking, NoPoseIsTooFastAtAnAssumedRate) {
+  for (const bool timed : {true, false}) {
+    MapMaking numbered;
+    for (int i = 0; i < kImages; ++i) {
+      MapImage image = imageOf(i, 2 * kStep * i + (i < kImages / 2 ? 0 : 120), true);  // 3 m in between
+      image.timed = timed;
+      numbered.add(image);
+    }
+    numbered.checkPoses();
+    EXPECT_EQ(numbered.findings().jumps.size(), timed ? 1u : 0u);
+    EXPECT_TRUE(numbered.pose(0));
+    EXPECT_EQ(numbered.pose(kImages - 1).has_value(), !timed);
+  }
+}
+
 TEST(MapMaking, ASingleFarPoseDividesNothing) {
   MapMaking one = makingWith(
       [](int i) { return i == 10 ? Eigen::Isometry3d(Eigen::Translation3d(0, 0, 5)) : onCircle(kStep * i); });

@@ -21,7 +21,7 @@ MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_
       throw IoError(frame.path.string(), e.what());
     }
   };
-  return {frame.name, frame.stamp, load, T_w_c, gravity};
+  return {frame.name, frame.stamp, load, T_w_c, gravity, sequence.timed()};
 }
 
 void addImages(const DepthSequence& sequence, const Trajectory& poses, const RunReading& how,

@@ -151,6 +151,7 @@ private:
     DepthSequence sequence;
     sequence.frames_ = layout_.frames;
     sequence.stamped_ = layout_.stamped;
+    sequence.timed_ = layout_.stamped && !layout_.assumed;
     sequence.container_ = container_;
     sequence.times_ = std::make_shared<const ImageTimes>(layout_.times());
     sequence.layout_ =

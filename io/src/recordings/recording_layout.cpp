@@ -377,6 +377,7 @@ private:
       if (same_numbers) layout_.unit = {};
       return;
     }
+    layout_.assumed = true;
     say(fmt::format("the images are only numbered: they are taken to be 1/{} s apart", kFrameRate));
   }
 

@@ -31,6 +31,7 @@ struct RecordingLayout {
   Kind kind = Kind::plain;
   std::vector<FrameFile> frames;  ///< sorted by stamp
   bool stamped = false;           ///< are the stamps times, rather than indices?
+  bool assumed = false;           ///< are they those of an assumed rate?
   std::vector<double> numbers;    ///< numbers in the names of the frames, or before these in a list; or empty
   TimeUnit unit;                  ///< unit of the numbers
   RecordedPoses poses;

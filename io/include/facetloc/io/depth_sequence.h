@@ -122,6 +122,9 @@ public:
   std::string remark() const;
   /** \brief Are the stamps times, rather than indices? Without times no poses can be matched. */
   bool stamped() const { return stamped_; }
+  /** \brief Are they times that the recording gives? A rate that is assumed for numbered images bounds no
+   * motion. */
+  bool timed() const { return timed_; }
 
   /** \brief Are its frames files of segments? Then it has no images. */
   bool ofSegments() const { return of_segments_; }
@@ -158,6 +161,7 @@ private:
   PoseReading poses_are_;
   Trajectory ground_truth_;
   std::exception_ptr ground_truth_fault_;  // why it could not be read, if it could not
+  bool timed_ = false;
   bool stamped_ = false;
   bool of_segments_ = false;
 };

@@ -357,8 +357,8 @@ Findings PoseCheck::list() const {
 bool PoseJump::isTooFast() const {
   constexpr double kFastest = 3, kFastestTurn = 2 * M_PI;  // [m/s, rad/s]
   const double seconds = stamp_b - stamp_a;
-  return by_poses.translation().norm() > kFastest * seconds ||
-         rotationAngle(by_poses.linear()) > kFastestTurn * seconds;
+  return timed && (by_poses.translation().norm() > kFastest * seconds ||
+                   rotationAngle(by_poses.linear()) > kFastestTurn * seconds);
 }
 
 Finding PoseJump::finding() const {

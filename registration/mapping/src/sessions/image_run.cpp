@@ -201,8 +201,12 @@ std::vector<PoseJump> ImageRun::poseJumps(PoseCheck& check) const {
        ++k)
     try {
       const std::size_t i = steps[k].first;
-      PoseJump jump{
-          i + 1, images[i].stamp, images[i + 1].stamp, images[i].T_w_c->inverse() * *images[i + 1].T_w_c, {}};
+      PoseJump jump{i + 1,
+                    images[i].stamp,
+                    images[i + 1].stamp,
+                    images[i].T_w_c->inverse() * *images[i + 1].T_w_c,
+                    {},
+                    images[i].timed && images[i + 1].timed};
       const bool is_far = steps[k].length > kLonger * usual;
       const Localization seen = PairRegistration(viewOf(i)).align(viewOf(i + 1));
       if (seen.state != AnswerState::sure) {

@@ -163,9 +163,10 @@ struct PoseJump {
   double stamp_a = 0, stamp_b = 0;  ///< times of the images before and after it [s]
   Eigen::Isometry3d by_poses = Eigen::Isometry3d::Identity();  ///< pose of the second camera in the first
   std::optional<Eigen::Isometry3d> by_images;                  ///< unless they show nothing in common
+  bool timed = true;                                           ///< both times are measured
 
-  /** \brief Is it faster than robots and people move a camera? The poses begin anew then, in a part of the
-   * map of their own. */
+  /** \brief Is it certainly faster than robots and people move a camera? The poses begin anew then, in a part
+   * of the map of their own. */
   bool isTooFast() const;
   Finding finding() const;
 };

@@ -22,6 +22,7 @@ struct MapImage {
   std::function<DepthImage()> load;
   std::optional<Eigen::Isometry3d> T_w_c{};  ///< pose of the camera, if it is known
   std::optional<Gravity> gravity{};          ///< measured direction in its optical frame; empty if unknown
+  bool timed = true;                         ///< false: the stamp is assumed, and no speed follows from it
 };
 
 /** \brief Poses of a camera by time [s]; nothing where they are unknown. */
