@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
   pcl::PointCloud<facetloc::SegmentFrame> aligned;
   registration.align(aligned);
   if (registration.getHypotheses().empty()) {
-    std::cerr << registration.getStatus() << "\n";
+    std::cerr << registration.getReason() << "\n";
     return 1;
   }
   for (const facetloc::SegmentFrame& frame : aligned) std::cout << frame << "\n";

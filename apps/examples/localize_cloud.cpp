@@ -23,7 +23,7 @@ int main(int argc, char** argv) try {
   localization.setInputCloud(cloud);
   facetloc::PoseWithCovariance pose;
   if (!localization.localize(pose)) {
-    std::cout << "not sure: " << localization.getStatus() << "\n";
+    std::cout << "not sure: " << localization.getReason() << "\n";
     return 1;
   }
   std::cout << "sure, probability " << localization.getProbability() << " at "

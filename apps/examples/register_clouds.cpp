@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   Cloud aligned;
   registration.align(aligned);
   if (!registration.hasConverged()) {  // not sure: a guess, or nothing
-    std::cerr << registration.getStatus() << "\n";
+    std::cerr << registration.getReason() << "\n";
     return 1;
   }
   std::cout << "probability " << registration.getProbability() << ", one of "

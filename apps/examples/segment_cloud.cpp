@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
   pcl::PointCloud<facetloc::SegmentFrame> frames;
   estimation.compute(frames);
   if (frames.empty()) {
-    std::cerr << segmentation.getStatus() << estimation.getStatus() << "\n";
+    std::cerr << segmentation.getReason() << estimation.getReason() << "\n";
     return 1;
   }
   for (const facetloc::SegmentFrame& frame : frames)

@@ -194,4 +194,15 @@ void fillHoleGrid(DepthImage& image) {
   });
 }
 
+bool isDense(const DepthImage& image) {
+  int measured = 0, beside = 0;
+  for (int v = 0; v + 1 < image.camera.height; ++v)
+    for (int u = 0; u + 1 < image.camera.width; ++u) {
+      if (!isMeasured(image.at(u, v))) continue;
+      ++measured;
+      beside += isMeasured(image.at(u + 1, v)) && isMeasured(image.at(u, v + 1));
+    }
+  return 2 * beside >= measured;
+}
+
 }  // namespace facetloc

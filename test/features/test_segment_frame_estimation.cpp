@@ -35,7 +35,7 @@ protected:
     estimation.compute(frames);
     EXPECT_TRUE(frames.empty());
     EXPECT_THAT(estimation.usedLabels(), IsEmpty());
-    EXPECT_THAT(estimation.getStatus(), HasSubstr(why));
+    EXPECT_THAT(estimation.getReason(), HasSubstr(why));
   }
 
   Rendering view;
@@ -52,7 +52,7 @@ TYPED_TEST(SegmentFrameEstimationTest, FramesAreThoseOfTheDepthImage) {
   this->cloud->header.frame_id = "camera";
   this->estimation.setCamera({this->view.image.camera, {}, {}, {}});
   this->estimation.compute(this->frames);
-  EXPECT_EQ(this->estimation.getStatus(), "");
+  EXPECT_EQ(this->estimation.getReason(), "");
   EXPECT_EQ(this->frames.header.stamp, 42u);
   EXPECT_EQ(this->frames.header.frame_id, "camera");
   std::vector<int> kept;
@@ -103,7 +103,7 @@ TYPED_TEST(SegmentFrameEstimationTest, BadDataGivesAnEmptyOutputAndAReason) {
   this->estimation.setLabels(this->labels);
   this->estimation.compute(this->frames);
   EXPECT_FALSE(this->frames.empty());
-  EXPECT_EQ(this->estimation.getStatus(), "");
+  EXPECT_EQ(this->estimation.getReason(), "");
 }
 
 TYPED_TEST(SegmentFrameEstimationTest, IndicesRestrictTheSupport) {

@@ -38,14 +38,14 @@ TEST_F(MapLocalizationInARoom, FindsTheCameraOfACloud) {
     localization.setInputCloud(cloudFrom(truth, i));
     PoseWithCovariance pose;
     if (!localization.localize(pose)) {
-      EXPECT_NE(localization.getStatus(), "");
+      EXPECT_NE(localization.getReason(), "");
       continue;
     }
     ++sure;
     EXPECT_TRUE(isNear(pose.T, truth, 0.05, 1)) << i;
     EXPECT_GE(localization.getProbability(), 0.9);
     EXPECT_EQ(localization.getState(), AnswerState::sure);
-    EXPECT_EQ(localization.getStatus(), "");
+    EXPECT_EQ(localization.getReason(), "");
     EXPECT_EQ(pose.P.llt().info(), Eigen::Success);
     EXPECT_FALSE(localization.getView().segments.empty());
     ASSERT_FALSE(localization.getHypotheses().empty());
@@ -84,7 +84,7 @@ TEST_F(MapLocalizationInARoom, CloudsAreOneDriveInSequenceMode) {
     if (is_sure) {
       EXPECT_TRUE(isNear(pose.T, truth, 0.1, 2)) << i;
     }
-    EXPECT_TRUE(is_sure || i < 6) << localization.getStatus();
+    EXPECT_TRUE(is_sure || i < 6) << localization.getReason();
   }
   // A new drive remembers nothing of the last one.
   localization.reset();
@@ -105,7 +105,7 @@ TEST_F(MapLocalizationInARoom, AGuessIsAPriorAndNoResult) {
   const Eigen::Isometry3d truth = onCircle(70, 0.6);
   localization.setInputCloud(cloudFrom(truth, 1));
   PoseWithCovariance pose = guessNear(truth);
-  EXPECT_TRUE(localization.localize(pose, pose)) << localization.getStatus();
+  EXPECT_TRUE(localization.localize(pose, pose)) << localization.getReason();
   EXPECT_TRUE(isNear(pose.T, truth, 0.05, 1)) << "by the cloud, not by the guess";
   EXPECT_EQ(localization.getPart(), "");
   if (localization.localize(pose, guessNear(onCircle(250, 0.6)))) {
@@ -113,9 +113,9 @@ TEST_F(MapLocalizationInARoom, AGuessIsAPriorAndNoResult) {
   }
 
   EXPECT_FALSE(localization.localize(pose, PoseWithCovariance()));
-  EXPECT_THAT(localization.getStatus(), HasSubstr("positive definite"));
+  EXPECT_THAT(localization.getReason(), HasSubstr("positive definite"));
   EXPECT_FALSE(localization.localize(pose, guessNear(truth), "attic"));
-  EXPECT_THAT(localization.getStatus(), HasSubstr("no part 'attic'"));
+  EXPECT_THAT(localization.getReason(), HasSubstr("no part 'attic'"));
 }
 
 TEST_F(MapLocalizationInARoom, MotionsAreOfTheCameraSinceTheCloudBefore) {
@@ -153,10 +153,10 @@ TEST_F(MapLocalizationInARoom, ItKnowsItsPartInAMapWithoutAWorld) {
   in_world.setInputCloud(cloudFrom(truth, 2));
   localization.setInputCloud(cloudFrom(truth, 2));
   const bool is_sure = in_world.localize(pose);
-  EXPECT_EQ(localization.localize(there), is_sure) << localization.getStatus();
+  EXPECT_EQ(localization.localize(there), is_sure) << localization.getReason();
   EXPECT_EQ(localization.getPart(), "attic");
   EXPECT_TRUE(there.T.isApprox(pose.T, 1e-12));
-  EXPECT_TRUE(localization.localize(there, guessNear(truth), "attic")) << localization.getStatus();
+  EXPECT_TRUE(localization.localize(there, guessNear(truth), "attic")) << localization.getReason();
   EXPECT_FALSE(localization.localize(there, guessNear(truth))) << "its parts are not the world";
 }
 
@@ -167,9 +167,9 @@ TEST_F(MapLocalizationInARoom, CloudsWithoutStampsFollowEachOther) {
     localization.setInputCloud(cloudFrom(onCircle(10 + 1.2 * i, 0.6), i));
     Eigen::Isometry3d T;
     is_sure = localization.localize(T);
-    EXPECT_THAT(localization.getStatus(), testing::Not(HasSubstr("back"))) << "a stamp that goes back";
+    EXPECT_THAT(localization.getReason(), testing::Not(HasSubstr("back"))) << "a stamp that goes back";
   }
-  EXPECT_TRUE(is_sure) << localization.getStatus();
+  EXPECT_TRUE(is_sure) << localization.getReason();
 }
 
 TEST_F(MapLocalizationInARoom, IndicesChooseThePoints) {
@@ -185,18 +185,18 @@ TEST_F(MapLocalizationInARoom, IndicesChooseThePoints) {
   EXPECT_LT(localization.getView().segments.size(), all);
   upper->push_back(static_cast<int>(cloud->size()));
   EXPECT_FALSE(localization.localize(T));
-  EXPECT_THAT(localization.getStatus(), HasSubstr("indices"));
+  EXPECT_THAT(localization.getReason(), HasSubstr("indices"));
 }
 
 TEST_F(MapLocalizationInARoom, AFailureHasAReasonAndLeavesNoStaleAnswer) {
   localization = MapLocalization<pcl::PointXYZ>();
   Eigen::Isometry3d T = onCircle(1, 1);
   EXPECT_FALSE(localization.localize(T));
-  EXPECT_THAT(localization.getStatus(), HasSubstr("no map"));
+  EXPECT_THAT(localization.getReason(), HasSubstr("no map"));
   EXPECT_TRUE(T.isApprox(Eigen::Isometry3d::Identity()));
   localization.setMap(map);
   EXPECT_FALSE(localization.localize(T));
-  EXPECT_THAT(localization.getStatus(), HasSubstr("no input cloud"));
+  EXPECT_THAT(localization.getReason(), HasSubstr("no input cloud"));
   localization.setInputCloud(cloudFrom(onCircle(100, 0.5), 3));
   localization.localize(T);
   ASSERT_FALSE(localization.getHypotheses().empty());
@@ -206,7 +206,7 @@ TEST_F(MapLocalizationInARoom, AFailureHasAReasonAndLeavesNoStaleAnswer) {
     localization.setSequenceMode(in_sequence);
     localization.setInputCloud(scattered);
     EXPECT_FALSE(localization.localize(T));
-    EXPECT_THAT(localization.getStatus(), HasSubstr("organized"));
+    EXPECT_THAT(localization.getReason(), HasSubstr("organized"));
     EXPECT_TRUE(localization.getHypotheses().empty());
     EXPECT_EQ(localization.getProbability(), 0);
     EXPECT_EQ(localization.getState(), AnswerState::unknown);
@@ -214,7 +214,7 @@ TEST_F(MapLocalizationInARoom, AFailureHasAReasonAndLeavesNoStaleAnswer) {
   localization.setMap(std::make_shared<const Map>());
   localization.setInputCloud(cloudFrom(onCircle(100, 0.5), 3));
   EXPECT_FALSE(localization.localize(T));
-  EXPECT_NE(localization.getStatus(), "");
+  EXPECT_NE(localization.getReason(), "");
   EXPECT_THROW(localization.setMinProbability(0), std::invalid_argument);
   EXPECT_THROW(localization.setMinProbability(1.1), std::invalid_argument);
 }
@@ -225,12 +225,12 @@ TEST_F(MapLocalizationInARoom, SettersCountFromTheNextCloudOn) {
   localization.localize(pose);
   localization.setMinProbability(1);
   EXPECT_FALSE(localization.localize(pose));
-  EXPECT_THAT(localization.getStatus(), HasSubstr("doubtful"));
+  EXPECT_THAT(localization.getReason(), HasSubstr("doubtful"));
   Camera camera;
   camera.intrinsics = {10, 10, 10, 10, 5, 5};
   localization.setCamera(camera);
   EXPECT_FALSE(localization.localize(pose));
-  EXPECT_THAT(localization.getStatus(), HasSubstr("size"));
+  EXPECT_THAT(localization.getReason(), HasSubstr("size"));
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST_F(ChosenCorrespondences, WithoutAnyPairThereIsNoAnswer) {
   registration.addCorrespondenceRejector(pcl::make_shared<ChosenPairs>());
   registration.align(output);
   EXPECT_FALSE(registration.hasConverged());
-  EXPECT_THAT(registration.getStatus(), testing::HasSubstr("no correspondence"));
+  EXPECT_THAT(registration.getReason(), testing::HasSubstr("no correspondence"));
   registration.clearCorrespondenceRejectors();
   registration.align(output);
   EXPECT_TRUE(registration.hasConverged());
@@ -166,7 +166,7 @@ TEST_F(ChosenCorrespondences, PairsBeyondTheCloudsDoNotCount) {
   registration.setCorrespondenceEstimation(pcl::make_shared<Wild>());
   registration.align(output);
   EXPECT_FALSE(registration.hasConverged());
-  EXPECT_THAT(registration.getStatus(), testing::HasSubstr("no correspondence"));
+  EXPECT_THAT(registration.getReason(), testing::HasSubstr("no correspondence"));
 }
 
 TEST(EkfRegistration, HasItsName) {

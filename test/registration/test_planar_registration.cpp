@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "registration_cases.h"
 
+#include <facetloc/registration/pose_prior.h>
+
 #include <gmock/gmock.h>
 #include <pcl/common/io.h>
+#include <pcl/registration/correspondence_rejection_distance.h>
 
 #include <string>
 
@@ -25,7 +28,7 @@ TEST(PlanarRegistration, AnImpossibleCameraIsReported) {
   pcl::PointCloud<pcl::PointXYZ> output;
   registration.align(output);
   EXPECT_FALSE(registration.hasConverged());
-  EXPECT_EQ(registration.getStatus(), "target: the camera that was set is impossible");
+  EXPECT_EQ(registration.getReason(), "target: the camera that was set is impossible");
 }
 
 TEST(PlanarRegistration, IndicesOutsideTheCloudAreReportedAndIgnored) {
@@ -71,12 +74,12 @@ TEST(PlanarRegistration, UnorganizedCloudsHaveNoAnswer) {
   registration.setInputTarget(target);
   registration.align(output);
   EXPECT_FALSE(registration.hasConverged());
-  EXPECT_NE(registration.getStatus(), "");
+  EXPECT_NE(registration.getReason(), "");
   registration.setInputSource(target);
   registration.setInputTarget(unorganized);
   registration.align(output);
   EXPECT_FALSE(registration.hasConverged());
-  EXPECT_NE(registration.getStatus(), "");
+  EXPECT_NE(registration.getReason(), "");
 }
 
 TEST(PlanarRegistration, WorkingWidthIsAChoice) {
@@ -94,7 +97,7 @@ TEST(PlanarRegistration, WorkingWidthIsAChoice) {
   }
 }
 
-/** A base pointer has no getStatus(). */
+/** A base pointer has no getReason(). */
 TEST(PlanarRegistration, HasConvergedIfItIsSure) {
   using Case = PlanarCase<pcl::PointXYZ>;
   const auto registration = pcl::make_shared<PlanarRegistration<pcl::PointXYZ>>();
@@ -145,9 +148,65 @@ TEST(PlanarRegistration, FilteredCloudsAreRegisteredByTheirCamera) {
   registration.setInputTarget(filtered(test::kTargetPose, 1));
   pcl::PointCloud<pcl::PointXYZ> aligned;
   registration.align(aligned);
-  ASSERT_TRUE(registration.hasConverged()) << registration.getStatus();
+  ASSERT_TRUE(registration.hasConverged()) << registration.getReason();
   const Eigen::Isometry3d truth = test::kTargetPose.inverse() * test::kNearPose;
   EXPECT_LT((registration.getFinalPose().translation() - truth.translation()).norm(), 0.02);
+}
+
+// The picture of a camera that is turned by a quarter about its optical axis.
+pcl::PointCloud<pcl::PointXYZ>::Ptr rolled(const pcl::PointCloud<pcl::PointXYZ>& cloud) {
+  auto turned = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>(cloud.height, cloud.width);
+  for (std::uint32_t v = 0; v < cloud.height; ++v)
+    for (std::uint32_t u = 0; u < cloud.width; ++u) {
+      const pcl::PointXYZ& p = cloud(u, v);
+      (*turned)(cloud.height - 1 - v, u) = {-p.y, p.x, p.z};
+    }
+  return turned;
+}
+
+TEST(PlanarRegistration, CloudsOfATurnedCameraAreRegistered) {
+  const auto source = PlanarCase<pcl::PointXYZ>::cloudFrom(kNearPose, 2);
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputSource(rolled(*source));
+  registration.setInputTarget(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1));
+  pcl::PointCloud<pcl::PointXYZ> aligned;
+  registration.align(aligned);
+  ASSERT_TRUE(registration.hasConverged()) << registration.getReason();
+  const Eigen::Isometry3d quarter(Eigen::AngleAxisd(-EIGEN_PI / 2, Eigen::Vector3d::UnitZ()));
+  const Eigen::Isometry3d error =
+      registration.getFinalPose().inverse() * kTargetPose.inverse() * kNearPose * quarter;
+  EXPECT_LT(error.translation().norm(), 0.02);
+  EXPECT_LT(rotationAngle(error.linear()), 1 * kDegree);
+
+  registration.setPriorCovariance(posePrior({}));  // states that the camera is not turned
+  registration.align(aligned);
+  EXPECT_FALSE(registration.hasConverged());
+}
+
+TEST(PlanarRegistration, RejectorsOfCorrespondencesAreRefused) {
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputSource(PlanarCase<pcl::PointXYZ>::cloudFrom(kNearPose, 2));
+  registration.setInputTarget(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1));
+  registration.addCorrespondenceRejector(
+      pcl::make_shared<pcl::registration::CorrespondenceRejectorDistance>());
+  pcl::PointCloud<pcl::PointXYZ> aligned;
+  registration.align(aligned);
+  EXPECT_FALSE(registration.hasConverged());
+  EXPECT_THAT(registration.getReason(), testing::HasSubstr("use EkfRegistration"));
+}
+
+TEST(PlanarRegistration, ALongMaxCorrespondenceDistanceChangesNothing) {
+  PlanarRegistration<pcl::PointXYZ> registration;
+  registration.setInputSource(PlanarCase<pcl::PointXYZ>::cloudFrom(kNearPose, 2));
+  registration.setInputTarget(PlanarCase<pcl::PointXYZ>::cloudFrom(kTargetPose, 1));
+  pcl::PointCloud<pcl::PointXYZ> aligned;
+  registration.align(aligned);
+  const Eigen::Matrix4f before = registration.getFinalTransformation();
+  ASSERT_TRUE(registration.hasConverged());
+  registration.setMaxCorrespondenceDistance(100);
+  registration.align(aligned);
+  EXPECT_TRUE(registration.hasConverged());
+  EXPECT_EQ(registration.getFinalTransformation(), before);
 }
 
 }  // namespace

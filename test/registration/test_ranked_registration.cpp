@@ -34,7 +34,7 @@ protected:
     this->registration->align(this->output);
     ASSERT_TRUE(this->registration->hasConverged());
     ASSERT_FALSE(ranked().getHypotheses().empty());
-    ASSERT_EQ(ranked().getStatus(), "");
+    ASSERT_EQ(ranked().getReason(), "");
   }
   void expectNoAnswer() {
     EXPECT_FALSE(this->registration->hasConverged());
@@ -42,7 +42,7 @@ protected:
     EXPECT_TRUE(ranked().getHypotheses().empty());
     EXPECT_EQ(ranked().getFinalPose().matrix(), Eigen::Matrix4d::Identity());
     EXPECT_TRUE(ranked().getFinalCovariance().isZero());
-    EXPECT_NE(ranked().getStatus(), "");
+    EXPECT_NE(ranked().getReason(), "");
   }
   void expectFound() {
     EXPECT_THAT(this->found(*this->registration), PoseNear(this->truth, Case::kMetres, Case::kDegrees));
@@ -129,7 +129,7 @@ TYPED_TEST(OurRegistration, IndicesOutsideTheSourceLeaveNothingOfTheCallBefore) 
     this->registration->align(this->output);
     EXPECT_TRUE(this->output.empty());
     this->expectNoAnswer();
-    EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("the indices do not fit the cloud"));
+    EXPECT_THAT(this->ranked().getReason(), testing::HasSubstr("the indices do not fit the cloud"));
   }
   // They fitted the cloud before.
   this->registration->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, size - 1}));
@@ -145,7 +145,7 @@ TYPED_TEST(OurRegistration, IndicesHoldForEveryCloudThatTheyFit) {
   for (std::size_t i = 0; i + 1 < size; ++i) chosen->push_back(static_cast<int>(i));
   const auto alignedPoints = [this] {
     this->registration->align(this->output);
-    EXPECT_TRUE(this->registration->hasConverged()) << this->ranked().getStatus();
+    EXPECT_TRUE(this->registration->hasConverged()) << this->ranked().getReason();
     return this->output.size();
   };
   this->alignGoodClouds();
@@ -163,7 +163,7 @@ TYPED_TEST(OurRegistration, IndicesHoldForEveryCloudThatTheyFit) {
   const auto one = pcl::make_shared<typename TestFixture::Points>(1, 1, this->source->front());
   this->registration->setInputSource(one);
   this->registration->align(this->output);
-  EXPECT_THAT(this->ranked().getStatus(), testing::Not(testing::HasSubstr("indices")));
+  EXPECT_THAT(this->ranked().getReason(), testing::Not(testing::HasSubstr("indices")));
   this->registration->setInputSource(this->source);
   EXPECT_EQ(alignedPoints(), size);
 }
@@ -179,7 +179,7 @@ TYPED_TEST(OurRegistration, AGuessThatIsNoPoseHasNoAnswerAndMovesNothing) {
     this->alignGoodClouds();
     this->registration->align(this->output, guess);
     this->expectNoAnswer();
-    EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("no rigid motion"));
+    EXPECT_THAT(this->ranked().getReason(), testing::HasSubstr("no rigid motion"));
     ASSERT_EQ(this->output.size(), this->source->size());
     for (std::size_t i = 0; i < this->output.size(); i += 97) {
       if (!pcl::isXYZFinite((*this->source)[i])) continue;
@@ -240,7 +240,7 @@ TYPED_TEST(OurRegistration, MaxCorrespondenceDistanceIsThatOfThePlanes) {
   this->registration->setMaxCorrespondenceDistance(1e-9);
   this->registration->align(this->output, guess);
   this->expectNoAnswer();
-  EXPECT_THAT(this->ranked().getStatus(), testing::HasSubstr("no correspondence"));
+  EXPECT_THAT(this->ranked().getReason(), testing::HasSubstr("no correspondence"));
 }
 
 TYPED_TEST(OurRegistration, SettersWithoutEffectAreSaidOnce) {

@@ -45,12 +45,12 @@ protected:
     segmentation->setInputCloud(cloud);
     segmentation->segment(segments, planes);
     ASSERT_FALSE(segments.empty());
-    ASSERT_EQ(segmentation->getStatus(), "");
+    ASSERT_EQ(segmentation->getReason(), "");
     segmentation->setInputCloud(bad);
     segmentation->segment(segments, planes);
     EXPECT_TRUE(segments.empty());
     EXPECT_TRUE(planes.empty());
-    EXPECT_THAT(segmentation->getStatus(), HasSubstr(why));
+    EXPECT_THAT(segmentation->getReason(), HasSubstr(why));
     segmentation->segment(segments);
     EXPECT_TRUE(segments.empty());
     EXPECT_TRUE(segmentationOf().getSegmentation().planes.empty());
@@ -140,11 +140,11 @@ TYPED_TEST(PlanarSegmentationTest, AnImpossibleCameraOrOneOfAnotherSizeIsRefused
   this->segmentationOf().setCamera({Intrinsics{camera.width, camera.height, 0, 0, 0, 0}, {}, {}, {}});
   this->segmentation->segment(this->segments);
   EXPECT_TRUE(this->segments.empty());
-  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("camera that was set is impossible"));
+  EXPECT_THAT(this->segmentation->getReason(), HasSubstr("camera that was set is impossible"));
   this->segmentationOf().setCamera({kinectIntrinsics(), {}, {}, {}});
   this->segmentation->segment(this->segments);
   EXPECT_TRUE(this->segments.empty());
-  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("camera that was set has not the size"));
+  EXPECT_THAT(this->segmentation->getReason(), HasSubstr("camera that was set has not the size"));
 }
 
 TYPED_TEST(PlanarSegmentationTest, IndicesBeyondTheCloudAreRefused) {
@@ -152,7 +152,7 @@ TYPED_TEST(PlanarSegmentationTest, IndicesBeyondTheCloudAreRefused) {
   this->segmentation->setIndices(pcl::make_shared<pcl::Indices>(pcl::Indices{0, 320 * 240}));
   this->segmentation->segment(this->segments);
   EXPECT_TRUE(this->segments.empty());
-  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("indices"));
+  EXPECT_THAT(this->segmentation->getReason(), HasSubstr("indices"));
 }
 
 TYPED_TEST(PlanarSegmentationTest, AnAllInvalidCloudOfAKnownCameraHasNoSegment) {
@@ -199,7 +199,7 @@ TYPED_TEST(PlanarSegmentationTest, IndicesAreRespected) {
   this->segmentation->setIndices(pcl::make_shared<pcl::Indices>());
   this->segmentation->segment(this->segments, this->planes);
   EXPECT_TRUE(this->segments.empty());
-  EXPECT_NE(this->segmentation->getStatus(), "");
+  EXPECT_NE(this->segmentation->getReason(), "");
 }
 
 TYPED_TEST(PlanarSegmentationTest, GettersReturnTheValuesSet) {
@@ -216,7 +216,38 @@ TYPED_TEST(PlanarSegmentationTest, GettersReturnTheValuesSet) {
   this->segmentation->setInputCloud(this->cloud);
   this->segmentation->segment(this->segments);
   EXPECT_TRUE(this->segments.empty());
-  EXPECT_THAT(this->segmentation->getStatus(), HasSubstr("minimum support"));
+  EXPECT_THAT(this->segmentation->getReason(), HasSubstr("minimum support"));
+}
+
+// Most planes of a cloud are found in every third of its points, as indices or as a cloud of their own.
+TYPED_TEST(PlanarSegmentationTest, ThinnedCloudsHaveTheirPlanes) {
+  this->segmentation->setInputCloud(this->cloud);
+  this->segmentation->segment(this->segments);
+  const std::size_t all = this->segments.size();
+  auto third = pcl::make_shared<pcl::Indices>();
+  auto thinned = pcl::make_shared<pcl::PointCloud<TypeParam>>();
+  for (std::size_t i = 0; i < this->cloud->size(); i += 3)
+    if (std::isfinite((*this->cloud)[i].z)) third->push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < third->size(); i += 3)
+    thinned->push_back((*this->cloud)[std::size_t((*third)[i])]);
+  this->segmentation->setIndices(third);
+  this->segmentation->segment(this->segments);
+  EXPECT_GE(2 * this->segments.size(), all) << this->segmentation->getReason();
+  for (const auto& segment : this->segments)
+    for (const auto i : segment.indices) ASSERT_EQ(i % 3, 0);
+
+  PlanarSegmentation<TypeParam> of_thinned;
+  of_thinned.setCamera({test::smallCamera(), {}, {}, {}});
+  of_thinned.setInputCloud(thinned);
+  of_thinned.segment(this->segments);
+  EXPECT_GE(3 * this->segments.size(), all) << of_thinned.getReason();
+
+  auto sparse = pcl::make_shared<pcl::PointCloud<TypeParam>>();
+  for (std::size_t i = 0; i < thinned->size(); i += 97) sparse->push_back((*thinned)[i]);
+  of_thinned.setInputCloud(sparse);
+  of_thinned.segment(this->segments);
+  EXPECT_TRUE(this->segments.empty());
+  EXPECT_THAT(of_thinned.getReason(), HasSubstr("too sparse"));
 }
 
 // A filtered cloud is seen by the camera that is set.
@@ -230,7 +261,7 @@ TYPED_TEST(PlanarSegmentationTest, FilteredCloudsAreSegmentedByTheirCamera) {
     if (std::isfinite(p.z)) filtered->push_back(p);
   this->segmentation->setInputCloud(filtered);
   this->segmentation->segment(this->segments);
-  EXPECT_EQ(this->segments.size(), organized) << this->segmentation->getStatus();
+  EXPECT_EQ(this->segments.size(), organized) << this->segmentation->getReason();
   for (const auto& segment : this->segments)
     for (const auto i : segment.indices) ASSERT_LT(static_cast<std::size_t>(i), filtered->size());
   for (auto& p : *filtered) p.x += 100;

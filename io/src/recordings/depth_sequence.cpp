@@ -21,9 +21,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <fmt/format.h>
 #include <map>
+#include <numeric>
 #include <system_error>
 
 namespace facetloc {

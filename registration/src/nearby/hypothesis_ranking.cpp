@@ -311,6 +311,18 @@ void assignProbabilities(double slope, double null_score, std::vector<Hypothesis
   }
 }
 
+Eigen::Isometry3d quarterTurns(int n) {
+  return Eigen::Isometry3d(Eigen::AngleAxisd(n * EIGEN_PI / 2, Eigen::Vector3d::UnitZ()));
+}
+
+void discountTurned(Localization& answer) {
+  constexpr double kTurned = 0.1;
+  double sum = 0;
+  for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
+  const double all = kTurned * sum + std::max(0.0, 1 - sum);
+  for (Hypothesis& h : answer.hypotheses) h.probability *= kTurned / all;
+}
+
 void concludePose(const PoseLimits& limits, Localization& answer) {
   if (!answer.hypotheses.empty()) {
     const Hypothesis& first = answer.hypotheses.front();

@@ -168,6 +168,11 @@ void mergePlaces(const MergingParams& params, std::vector<Hypothesis>& hypothese
  * probability on. */
 void assignProbabilities(double slope, double null_score, std::vector<Hypothesis>& hypotheses);
 
+/** \brief A camera turned about its optical axis by n quarters. */
+Eigen::Isometry3d quarterTurns(int n);
+/** \brief Counts the prior odds of a turned camera: one of ten with unknown mounting is. */
+void discountTurned(Localization& answer);
+
 /** \brief Sets whether the covariance of the first pose fixes it, and the reason if it does not. */
 void concludePose(const PoseLimits& limits, Localization& answer);
 

@@ -88,12 +88,10 @@ void check(const std::vector<SegmentPair>& pairs, const View& scene, const View&
 }  // namespace
 
 struct PairRegistration::Impl {
-  Impl(View the_target, const RegistrationParams& the_params, double doubt)
+  Impl(View the_target, const RegistrationParams& the_params)
       : target(std::make_shared<const View>(std::move(the_target))),
         params(checked(the_params)),
-        registration(params),
-        ranking(target, params, doubt / params.calibration.pair_probability.slope),
-        coarse_ranking(target, params, kDoubtOfCoarse + doubt / params.calibration.pair_probability.slope) {
+        registration(params) {
     if (target->camera) camera = *target->camera;
     if (params.steps.floor_information) of_floor = floorInformation(camera.mounting, params.prior);
   }
@@ -108,7 +106,7 @@ struct PairRegistration::Impl {
   std::vector<Hypothesis> coarsePoses(const Query& query, const PoseWithCovariance& prior,
                                       const std::vector<SegmentPair>* chosen) const {
     std::vector<Hypothesis> poses = registration.alignByExtents(query, *target, prior, chosen);
-    if (chosen || query.view.depth.empty() || target->depth.empty()) return poses;
+    if (query.view.depth.empty() || target->depth.empty()) return poses;
     std::vector<PoseWithCovariance> starts{prior};
     for (const Hypothesis& h : poses) starts.push_back(h.T_m_c);
     LocalMap surroundings;
@@ -119,7 +117,7 @@ struct PairRegistration::Impl {
       PoseWithCovariance found = alignView(query.view, surroundings, start, alignment).T_w_c;
       found = alignView(query.view, surroundings, {found.T, aboutStart()}, alignment).T_w_c;
       if (!(squaredMahalanobis(prior, found.T) <= kGate)) continue;  // pixels alone lead anywhere
-      std::optional<Hypothesis> h = registration.alignFrom({found.T, aboutStart()}, query, *target);
+      std::optional<Hypothesis> h = registration.alignFrom({found.T, aboutStart()}, query, *target, chosen);
       if (!h) continue;
       h->T_m_c = found;
       poses.push_back(std::move(*h));
@@ -130,13 +128,12 @@ struct PairRegistration::Impl {
   std::shared_ptr<const View> target;
   RegistrationParams params;
   ViewRegistration registration;
-  PairRanking ranking, coarse_ranking;
   Camera camera;                         // camera of the target
   Matrix6d of_floor = Matrix6d::Zero();  // information of the floor about a pose
 };
 
-PairRegistration::PairRegistration(View target, const RegistrationParams& params, double doubt)
-    : impl_(std::make_unique<Impl>(std::move(target), params, doubt)) {}
+PairRegistration::PairRegistration(View target, const RegistrationParams& params)
+    : impl_(std::make_unique<Impl>(std::move(target), params)) {}
 PairRegistration::PairRegistration(PairRegistration&&) noexcept = default;
 PairRegistration& PairRegistration::operator=(PairRegistration&&) noexcept = default;
 PairRegistration::~PairRegistration() = default;
@@ -144,7 +141,7 @@ PairRegistration::~PairRegistration() = default;
 const View& PairRegistration::target() const { return *impl_->target; }
 
 Localization PairRegistration::align(const View& view, const PoseWithCovariance& prior,
-                                     const std::vector<SegmentPair>* chosen) const {
+                                     const std::vector<SegmentPair>* chosen, double doubt) const {
   Localization answer;
   answer.camera = differenceFrom(impl_->camera, view);
   answer.has_probabilities = impl_->registration.score().inNats();
@@ -157,17 +154,19 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
   if (impl_->registration.mayFixPose(query))
     answer.hypotheses = impl_->registration.align(query, *impl_->target, prior, chosen);
   const std::vector<Hypothesis> by_planes = answer.hypotheses;
-  rankAll(impl_->ranking, view, answer.hypotheses);
+  doubt /= impl_->params.calibration.pair_probability.slope;
+  const PairRanking ranking(impl_->target, impl_->params, doubt);
+  rankAll(ranking, view, answer.hypotheses);
   answer.decide();
   if (answer.state != AnswerState::sure) {
     const std::vector<Hypothesis> coarse = impl_->coarsePoses(query, prior, chosen);
     if (!coarse.empty()) {
       answer.hypotheses = by_planes;
       answer.hypotheses.insert(answer.hypotheses.end(), coarse.begin(), coarse.end());
-      rankAll(impl_->coarse_ranking, view, answer.hypotheses);
+      rankAll({impl_->target, impl_->params, doubt + kDoubtOfCoarse}, view, answer.hypotheses);
     }
   }
-  impl_->ranking.stateAsShown(view, prior, answer.hypotheses);
+  ranking.stateAsShown(view, prior, answer.hypotheses);
   concludePose(impl_->params.sure, answer);
   if (!answer.hypotheses.empty() && !Impl::agree(answer.hypotheses.front())) {
     answer.fixes_pose = false;
@@ -176,6 +175,20 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
   if (answer.hypotheses.empty()) answer.reason = whyNoHypothesis(query, impl_->params.tree);
   answer.decide();
   return answer;
+}
+
+Localization PairRegistration::alignTurned(const View& view, const PoseWithCovariance& prior) const {
+  Localization best;
+  for (int quarter = 1; quarter < 4; ++quarter) {
+    Localization answer = align(view, {prior.T * quarterTurns(quarter), prior.P});
+    discountTurned(answer);
+    answer.decide();
+    const bool is_better = best.hypotheses.empty() ||
+                           (!answer.hypotheses.empty() &&
+                            answer.hypotheses.front().probability > best.hypotheses.front().probability);
+    if (is_better) best = std::move(answer);
+  }
+  return best;
 }
 
 Localization PairRegistration::align(const View& view) const {

@@ -88,10 +88,10 @@ std::vector<Hypothesis> ViewRegistration::alignByExtents(const Query& query, con
 }
 
 std::optional<Hypothesis> ViewRegistration::alignFrom(const PoseWithCovariance& start, const Query& query,
-                                                      const View& model) const {
+                                                      const View& model, Chosen chosen) const {
   Hypothesis h;
   h.T_m_c = start;
-  if (!refineJointly(query.view.segments, model.segments, start, params_.matching, {}, h))
+  if (!refineJointly(query.view.segments, model.segments, start, params_.matching, {}, h, chosen))
     return std::nullopt;
   score_.score(query, model, kCoarseColumns, h);
   return h;

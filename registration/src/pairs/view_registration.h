@@ -36,8 +36,8 @@ public:
                                          const std::vector<SegmentPair>* chosen = nullptr) const;
   /** \brief The hypothesis next to a start, from all pairs that agree there, without a search; none if no
    * pair does. Its score is as of align(), from fewer pixels. A tenth of the work of align(). */
-  std::optional<Hypothesis> alignFrom(const PoseWithCovariance& start, const Query& query,
-                                      const View& model) const;
+  std::optional<Hypothesis> alignFrom(const PoseWithCovariance& start, const Query& query, const View& model,
+                                      const std::vector<SegmentPair>* chosen = nullptr) const;
 
 private:
   using Chosen = const std::vector<SegmentPair>*;

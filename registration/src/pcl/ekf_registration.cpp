@@ -54,7 +54,6 @@ int rankOf(int index, const std::vector<int>& rank) {
 }  // namespace
 
 std::optional<std::vector<SegmentPair>> EkfRegistration::choosePairs(const PoseWithCovariance& guess) {
-  if (!correspondence_estimation_ && correspondence_rejectors_.empty()) return std::nullopt;
   const pcl::IndicesConstPtr indices = use_indices_ ? indices_ : nullptr;
   const auto moved = pcl::make_shared<pcl::PointCloud<SegmentFrame>>(transformed(*input_, guess.T));
   pcl::Correspondences pairs;

@@ -77,4 +77,7 @@ int holeGridReach(const DepthImage& image);
  * grid of holes stays as it is. */
 void fillHoleGrid(DepthImage& image);
 
+/** \brief True if most measured pixels have measured ones to their right and below them. */
+bool isDense(const DepthImage& image);
+
 }  // namespace facetloc

@@ -64,12 +64,14 @@ std::optional<std::size_t> pixelOf(const PointT& p, const Intrinsics& camera) {
  * holes is filled (depth_image.h): points without coordinates may have depth in the image.
  *
  * A cloud that is not organized, as after a filter, is seen by the given camera from the origin of its
- * coordinates: each pixel has the depth of its nearest point (pixelOf()).
+ * coordinates: each pixel has the depth of its nearest point (pixelOf()). Where points or indices are so
+ * sparse that most pixels would be empty, as after a VoxelGrid, the image has a 2nd, 4th, 8th or 16th of the
+ * columns and rows.
  *
  * \param cloud, indices may be null
  * \param why_not receives a sentence if the result is empty: there is no cloud, or an unorganized one
- * without a camera or outside of its image, the indices do not fit it, or the camera is impossible, of
- * another size, not to be had from the points, or does not see them where they are */
+ * without a camera, outside of its image or too sparse, the indices do not fit it, or the camera is
+ * impossible, of another size, not to be had from the points, or does not see them where they are */
 template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                             const Intrinsics& given, std::string& why_not);

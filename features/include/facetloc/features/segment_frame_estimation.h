@@ -34,7 +34,7 @@ std::string toString(const std::vector<LeftOutLabel>& left_out, std::size_t labe
  *
  * Derived from PCLBase, since pcl::Feature is made for one feature per point. Indices restrict the supporting
  * points. A cloud that is not organized, as after a filter, is seen from setViewpoint() (region_frame.h). Bad
- * data (no cloud, labels of another size) gives an empty output and a sentence in getStatus(). Labels that
+ * data (no cloud, labels of another size) gives an empty output and a sentence in getReason(). Labels that
  * are too small, too narrow or seen edge-on are left out, and leftOut() lists them. */
 template <typename PointT>
 class SegmentFrameEstimation : public pcl::PCLBase<PointT> {
@@ -69,7 +69,7 @@ public:
   /** \brief Noise of the last cloud, by which the frames were estimated. */
   const SensorNoise& getNoise() const { return noise_; }
   /** \brief Why the last output is empty; empty if all went well. */
-  const std::string& getStatus() const { return status_; }
+  const std::string& getReason() const { return status_; }
 
 private:
   static bool isLabel(std::uint32_t label) {

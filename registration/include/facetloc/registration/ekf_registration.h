@@ -37,6 +37,7 @@ protected:
                 std::string& why_empty) override;
   void transformPoint(const Eigen::Isometry3d& T, SegmentFrame& frame) const override;
   std::optional<std::vector<SegmentPair>> choosePairs(const PoseWithCovariance& guess) override;
+  bool takesCorrespondences() const override { return true; }
 };
 
 }  // namespace facetloc

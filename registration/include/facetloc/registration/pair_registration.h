@@ -17,9 +17,8 @@ namespace facetloc {
  */
 class PairRegistration {
 public:
-  /** \brief Throws std::invalid_argument for a parameter out of its range. \param doubt log odds against the
-   * evidence of planes, as where views show so small surfaces that some fit by chance [nats] */
-  explicit PairRegistration(View target, const RegistrationParams& params = {}, double doubt = 0);
+  /** \brief Throws std::invalid_argument for a parameter out of its range. */
+  explicit PairRegistration(View target, const RegistrationParams& params = {});
   PairRegistration(PairRegistration&&) noexcept;
   PairRegistration& operator=(PairRegistration&&) noexcept;
   ~PairRegistration();
@@ -29,10 +28,14 @@ public:
   /** \brief Poses of a view in the target's camera frame (Hypothesis::T_m_c, which T_w_c repeats).
    * \param prior T_target_view with its covariance, order (phi, t); if that is not positive definite, the
    * answer is empty with a reason \param chosen if not null, the only pairs (scene = view, model = target)
-   * that take part in a pose, in place of candidatePairs(). Throws std::invalid_argument for a pair that
-   * names no segment. */
+   * whose planes take part in a pose, in place of candidatePairs(); depth counts all the same. Throws
+   * std::invalid_argument for a pair that names no segment \param doubt log odds against the evidence of
+   * planes, as where views show so small surfaces that some fit by chance [nats] */
   Localization align(const View& view, const PoseWithCovariance& prior,
-                     const std::vector<SegmentPair>* chosen = nullptr) const;
+                     const std::vector<SegmentPair>* chosen = nullptr, double doubt = 0) const;
+  /** \brief The same for a camera that is turned about its optical axis by one to three quarters: the most
+   * probable of these, at odds of one to ten. */
+  Localization alignTurned(const View& view, const PoseWithCovariance& prior) const;
   /** \brief The same with the prior of RegistrationParams for the mounting of the target's camera. */
   Localization align(const View& view) const;
 

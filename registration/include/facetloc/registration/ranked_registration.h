@@ -84,13 +84,18 @@ private:
  * reason.
  *
  * PCL's setters have these effects: setMaxCorrespondenceDistance() drops pairs whose source segment, moved by
- * the guess, has its middle farther from the plane of the target [m]; numbers of iterations, epsilons and
- * estimators of transformations have nothing to act on, and a warning says so, once per object. The target is
- * read once, by the first align() after it was set, for any number of sources.
+ * the guess, has its middle farther from the plane of the target [m]; setCorrespondenceEstimation() and
+ * addCorrespondenceRejector() choose pairs of segment frames (EkfRegistration), and clouds of points are not
+ * aligned with them; numbers of iterations, epsilons and estimators of transformations have nothing to act
+ * on, and a warning says so, once per object. The target is read once, by the first align() after it was set,
+ * for any number of sources.
+ *
+ * Without a guess and a covariance of one, a source that is turned about its optical axis by quarters is
+ * found as well, at odds of one to ten.
  *
  * The answer of align() stays until another cloud is set. Unlike PCL's base, a missing, empty or unusable
  * cloud, or indices beyond it, never leave the answer of the call before: hasConverged() is then false, the
- * final transformation the identity, the output the source as it is, and getStatus() says why. */
+ * final transformation the identity, the output the source as it is, and getReason() says why. */
 template <typename PointT>
 class RankedRegistration : public pcl::Registration<PointT, PointT> {
 public:
@@ -154,7 +159,7 @@ public:
   double getFitnessScore(double max_range = std::numeric_limits<double>::max());
   using Base::getFitnessScore;
   /** \brief Why there is no sure answer; empty if there is one. */
-  const std::string& getStatus() const { return status_; }
+  const std::string& getReason() const { return status_; }
 
 protected:
   /** \brief The view of the chosen points of a cloud, or without segments and why there are none. */
@@ -183,12 +188,16 @@ protected:
     static_cast<void>(guess);
     return std::nullopt;
   }
+  /** \brief True if PCL's estimations and rejectors of correspondences choose these pairs. */
+  virtual bool takesCorrespondences() const { return false; }
   /** \brief To be called when the view of the target would come out another. */
   void forgetTarget() { in_target_.reset(), in_finer_target_.reset(); }
   void computeTransformation(PointCloudSource& output, const Matrix4& guess) override;
 
   using Base::converged_;
   using Base::corr_dist_threshold_;
+  using Base::correspondence_estimation_;
+  using Base::correspondence_rejectors_;
   using Base::fake_indices_;
   using Base::final_transformation_;
   using Base::indices_;
@@ -205,8 +214,11 @@ private:
   void rememberIndices();
   void applyIndices();
   void readTarget();
-  void lookCloser(const pcl::Indices* indices, const PoseWithCovariance& prior);
-  std::optional<std::vector<SegmentPair>> pairsOf(const View& scene, const PoseWithCovariance& guess);
+  Localization alignFiner(const PoseWithCovariance& prior);
+  Localization registered(const View& scene, const PoseWithCovariance& prior);
+  std::optional<std::vector<SegmentPair>> nearPairs(const View& scene, const View& target,
+                                                    const PoseWithCovariance& guess,
+                                                    std::optional<std::vector<SegmentPair>> pairs) const;
   void warnOfSetters();
 
   pcl::IndicesPtr chosen_;  // the points of the source that count; null = all

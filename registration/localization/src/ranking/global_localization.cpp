@@ -23,12 +23,7 @@ using namespace internal;
 
 namespace {
 
-constexpr double kRightAngle = EIGEN_PI / 2;
 constexpr double kMuchBetter = 10;  // score of a turned camera than of one that is not [nats]: few are turned
-
-Eigen::Isometry3d quarterTurns(int n) {
-  return Eigen::Isometry3d(Eigen::AngleAxisd(n * kRightAngle, Eigen::Vector3d::UnitZ()));
-}
 
 /** Does a view show a large plane below its camera, if that is turned so? */
 bool showsFloor(const View& view, const Eigen::Isometry3d& T_m_c) {
@@ -37,15 +32,6 @@ bool showsFloor(const View& view, const Eigen::Isometry3d& T_m_c) {
   return std::any_of(view.segments.begin(), view.segments.end(), [&](const Segment& s) {
     return s.num_points >= kLeastSupport && (T_m_c.linear() * s.normal()).y() > std::cos(kSteepest);
   });
-}
-
-// Prior odds: one of ten cameras with unknown mounting is turned.
-void discountTurned(Localization& answer) {
-  constexpr double kTurned = 0.1;
-  double sum = 0;
-  for (const Hypothesis& h : answer.hypotheses) sum += h.probability;
-  const double all = kTurned * sum + std::max(0.0, 1 - sum);
-  for (Hypothesis& h : answer.hypotheses) h.probability *= kTurned / all;
 }
 
 /** With constants for maps that lack surfaces, if the map does: half of the surfaces of a scene may not be

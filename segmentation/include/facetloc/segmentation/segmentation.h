@@ -17,7 +17,7 @@ namespace pcl {
  * PCLBase.
  *
  * Input cloud and indices come from PCLBase. Outputs are cleared first; bad data leaves them empty and the
- * reason in getStatus(), never an exception or the answer of the call before. */
+ * reason in getReason(), never an exception or the answer of the call before. */
 template <typename PointT>
 class Segmentation : public PCLBase<PointT> {
 public:
@@ -32,7 +32,7 @@ public:
   virtual void segment(std::vector<PointIndices>& segments, std::vector<ModelCoefficients>& coefficients) = 0;
 
   /** \brief Why the last output is empty; empty if all went well. */
-  const std::string& getStatus() const { return status_; }
+  const std::string& getReason() const { return status_; }
   virtual std::string getClassName() const = 0;
 
 protected:

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace facetloc {
 namespace detail {
@@ -117,18 +118,14 @@ std::optional<Intrinsics> cameraOfInput(const pcl::PointCloud<PointT>* cloud, co
 
 /** \brief The depth image of points in any order. */
 template <typename PointT>
-std::optional<DepthImage> seenImage(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
-                                    const Intrinsics& camera, std::string& why_not) {
+DepthImage seenImage(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
+                     const Intrinsics& camera) {
   DepthImage image;
   image.camera = camera;
   image.depth.assign(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), 0.f);
-  std::size_t seen = 0, finite = 0;
   const auto add = [&](const PointT& p) {
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return;
-    ++finite;
     const auto pixel = pixelOf(p, camera);
     if (!pixel) return;
-    ++seen;
     float& depth = image.depth[*pixel];
     if (depth == 0 || p.z < depth) depth = p.z;
   };
@@ -136,14 +133,39 @@ std::optional<DepthImage> seenImage(const pcl::PointCloud<PointT>& cloud, const 
     for (const auto i : *indices) add(cloud[static_cast<std::size_t>(i)]);
   else
     for (const PointT& p : cloud) add(p);
-  if (2 * seen < finite) {
-    why_not =
-        "the cloud is not organized, and the camera that was set, at the origin of its coordinates, does "
-        "not see most of its points";
-    return {};
-  }
-  if (!indices) fillHoleGrid(image);
   return image;
+}
+
+/** \brief The depth image of points in any order, by the camera, or one with so much fewer pixels that the
+ * points fill them. */
+template <typename PointT>
+std::optional<DepthImage> densestImage(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices,
+                                       const Intrinsics& camera, std::string& why_not) {
+  constexpr int kMostStep = 16, kLeastWidth = 40;
+  for (int step = 1; step == 1 || (step <= kMostStep && camera.width / step >= kLeastWidth); step *= 2) {
+    DepthImage image = seenImage(cloud, indices, camera.subsampled(step));
+    if (!indices) fillHoleGrid(image);
+    if (isDense(image)) return image;
+  }
+  why_not =
+      "the points are too sparse: most have no neighbours within " + std::to_string(kMostStep) + " pixels";
+  return {};
+}
+
+/** \brief Does the camera see most of the points? */
+template <typename PointT>
+bool seesMost(const pcl::PointCloud<PointT>& cloud, const pcl::Indices* indices, const Intrinsics& camera) {
+  std::size_t seen = 0, finite = 0;
+  const auto count = [&](const PointT& p) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return;
+    ++finite;
+    seen += pixelOf(p, camera).has_value();
+  };
+  if (indices)
+    for (const auto i : *indices) count(cloud[static_cast<std::size_t>(i)]);
+  else
+    for (const PointT& p : cloud) count(p);
+  return 2 * seen >= finite;
 }
 
 }  // namespace detail
@@ -152,8 +174,14 @@ template <typename PointT>
 std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud, const pcl::Indices* indices,
                                             const Intrinsics& given, std::string& why_not) {
   if (cloud && !cloud->empty() && !isOrganized(*cloud) && given.valid()) {
-    if (!indices || areIndicesOf(*cloud, *indices)) return detail::seenImage(*cloud, indices, given, why_not);
-    why_not = "the indices do not fit the cloud";
+    if (indices && !areIndicesOf(*cloud, *indices))
+      why_not = "the indices do not fit the cloud";
+    else if (!detail::seesMost(*cloud, indices, given))
+      why_not =
+          "the cloud is not organized, and the camera that was set, at the origin of its coordinates, does "
+          "not see most of its points";
+    else
+      return detail::densestImage(*cloud, indices, given, why_not);
     return {};
   }
   const std::optional<Intrinsics> camera = detail::cameraOfInput(cloud, indices, given, why_not);
@@ -166,7 +194,8 @@ std::optional<DepthImage> depthImageOfInput(const pcl::PointCloud<PointT>* cloud
   std::vector<float> chosen(image.depth.size(), 0.f);
   for (const auto i : *indices) chosen[i] = image.depth[i];
   image.depth.swap(chosen);
-  return image;
+  if (isDense(image)) return image;
+  return detail::densestImage(*cloud, indices, *camera, why_not);
 }
 
 }  // namespace facetloc

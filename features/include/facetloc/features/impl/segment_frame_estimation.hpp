@@ -33,7 +33,8 @@ void SegmentFrameEstimation<PointT>::compute(PointCloudOut& output) {
   }
   std::vector<std::uint32_t> given;
   if (!readLabels(given)) return;
-  const std::vector<Segment> segments = image ? ofImage(std::move(*image), given) : ofRegions(given);
+  const bool has_pixels = image && image->depth.size() == input_->size();
+  const std::vector<Segment> segments = has_pixels ? ofImage(std::move(*image), given) : ofRegions(given);
   this->deinitCompute();
   output = toCloud(segments);
   output.header = input_->header;

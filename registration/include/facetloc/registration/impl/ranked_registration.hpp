@@ -110,36 +110,57 @@ void RankedRegistration<PointT>::readTarget() {
   in_target_ = std::make_shared<const PairRegistration>(makeView(*target_, nullptr, target_fault_), params_);
 }
 
-// Small surfaces that a finer view shows fit by chance more often.
-template <typename PointT>
-void RankedRegistration<PointT>::lookCloser(const pcl::Indices* indices, const PoseWithCovariance& prior) {
-  constexpr double kDoubt = 2.3;  // odds of ten to one [nats]
-  if (!in_finer_target_) {
-    std::optional<View> target = makeFinerView(*target_, nullptr);
-    if (!target) return;
-    in_finer_target_ = std::make_shared<const PairRegistration>(std::move(*target), params_, kDoubt);
-  }
-  const std::optional<View> scene = makeFinerView(*input_, indices);
-  if (!scene) return;
-  Localization closer = in_finer_target_->align(*scene, prior);
-  if (!closer.hypotheses.empty()) answer_ = std::move(closer);
-}
-
 // The distance of a correspondence, between two planes: of a point of one from the other.
 template <typename PointT>
-std::optional<std::vector<SegmentPair>> RankedRegistration<PointT>::pairsOf(const View& scene,
-                                                                            const PoseWithCovariance& guess) {
-  std::optional<std::vector<SegmentPair>> pairs = choosePairs(guess);
+std::optional<std::vector<SegmentPair>>
+RankedRegistration<PointT>::nearPairs(const View& scene, const View& target, const PoseWithCovariance& guess,
+                                      std::optional<std::vector<SegmentPair>> pairs) const {
   if (!(corr_dist_threshold_ < std::sqrt(std::numeric_limits<double>::max()))) return pairs;  // never set
-  const std::vector<Segment>& target = in_target_->target().segments;
-  if (!pairs) pairs = candidatePairs(scene.segments, target, guess, params_.matching);
+  if (!pairs) pairs = candidatePairs(scene.segments, target.segments, guess, params_.matching);
   const auto isTooFar = [&](const SegmentPair& p) {
-    const Segment& model = target[static_cast<std::size_t>(p.model)];
+    const Segment& model = target.segments[static_cast<std::size_t>(p.model)];
     const Eigen::Vector3d moved = guess.T * scene.segments[static_cast<std::size_t>(p.scene)].t;
     return !(std::abs(model.normal().dot(moved - model.t)) <= corr_dist_threshold_);
   };
   pairs->erase(std::remove_if(pairs->begin(), pairs->end(), isTooFar), pairs->end());
   return pairs;
+}
+
+// Small surfaces that a finer view shows fit by chance more often.
+template <typename PointT>
+Localization RankedRegistration<PointT>::alignFiner(const PoseWithCovariance& prior) {
+  constexpr double kDoubt = 2.3;  // odds of ten to one [nats]
+  if (!in_finer_target_) {
+    std::optional<View> target = makeFinerView(*target_, nullptr);
+    if (!target) return {};
+    in_finer_target_ = std::make_shared<const PairRegistration>(std::move(*target), params_);
+  }
+  const std::optional<View> scene = makeFinerView(*input_, use_indices_ ? indices_.get() : nullptr);
+  if (!scene) return {};
+  const auto pairs = nearPairs(*scene, in_finer_target_->target(), prior, std::nullopt);
+  return in_finer_target_->align(*scene, prior, pairs ? &*pairs : nullptr, kDoubt);
+}
+
+template <typename PointT>
+Localization RankedRegistration<PointT>::registered(const View& scene, const PoseWithCovariance& prior) {
+  Localization answer;
+  const auto isSure = [&] { return answer.stateAt(min_probability_) == AnswerState::sure; };
+  const bool chooses =
+      takesCorrespondences() && (correspondence_estimation_ || !correspondence_rejectors_.empty());
+  const auto pairs =
+      nearPairs(scene, in_target_->target(), prior, chooses ? choosePairs(prior) : std::nullopt);
+  if (pairs && pairs->empty()) {
+    answer.reason = "no correspondence of source and target is left";
+    return answer;
+  }
+  answer = in_target_->align(scene, prior, pairs ? &*pairs : nullptr);
+  if (isSure() || chooses) return answer;
+  if (Localization finer = alignFiner(prior); !finer.hypotheses.empty()) answer = std::move(finer);
+  if (isSure() || pairs || prior_covariance_ || !prior.T.matrix().isIdentity()) return answer;
+  if (Localization turned = in_target_->alignTurned(scene, prior);
+      turned.stateAt(min_probability_) == AnswerState::sure)
+    answer = std::move(turned);
+  return answer;
 }
 
 template <typename PointT>
@@ -160,7 +181,6 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
   reset("");
   warnOfSetters();
   std::string source_fault;
-  bool may_look_closer = false;
   readTarget();
   const View scene = makeView(*input_, use_indices_ ? indices_.get() : nullptr, source_fault);
   if (!indices_fit_) source_fault = "the indices do not fit the cloud";
@@ -175,15 +195,11 @@ void RankedRegistration<PointT>::computeTransformation(PointCloudSource& output,
     answer_.reason = "target: " + target_fault_;
   else if (!source_fault.empty())
     answer_.reason = "source: " + source_fault;
-  else if (const std::optional<std::vector<SegmentPair>> pairs = pairsOf(scene, prior); !pairs)
-    answer_ = in_target_->align(scene, prior), may_look_closer = true;
-  else if (pairs->empty())
-    answer_.reason = "no correspondence of source and target is left";
+  else if (!takesCorrespondences() && (correspondence_estimation_ || !correspondence_rejectors_.empty()))
+    answer_.reason =
+        "estimations and rejectors of correspondences choose pairs of segment frames: use EkfRegistration";
   else
-    answer_ = in_target_->align(scene, prior, &*pairs);
-
-  if (may_look_closer && getState() != AnswerState::sure)
-    lookCloser(use_indices_ ? indices_.get() : nullptr, prior);
+    answer_ = registered(scene, prior);
 
   const AnswerState state = getState();
   converged_ = state == AnswerState::sure;

@@ -22,7 +22,7 @@ namespace facetloc {
  *     localization.setInputCloud(cloud);  // NaN is normal
  *     facetloc::PoseWithCovariance pose;  // the camera in the world
  *     if (localization.localize(pose)) use(pose.T, pose.P);
- *     else std::cout << localization.getStatus();
+ *     else std::cout << localization.getReason();
  *
  * The cloud is in the optical frame of its camera (x right, y down, z forward); indices choose some of its
  * points. In sequence mode the clouds are those of one drive, and each is localized by all earlier ones as
@@ -80,11 +80,11 @@ public:
    * decoupled: of the first hypothesis, be it sure or not; the identity and zeros without a hypothesis. It is
    * in the frame of getPart(): where that is not empty, of a part of the map that nothing ties to the world,
    * or of a map without a world; where the map places no local models, of the first hypothesis' one. \return
-   * is it sure? Otherwise getStatus() says why not. Never throws for the content of a cloud. */
+   * is it sure? Otherwise getReason() says why not. Never throws for the content of a cloud. */
   bool localize(PoseWithCovariance& pose);
   /** \brief Localizes with a guess, as in pcl::Registration::align(): a prior that decides among places that
    * look the same, and no result. In sequence mode, the drive begins anew there. \param guess T_w_c in the
-   * frame of the part, with its covariance; positive definite, or getStatus() says so \param part of the map
+   * frame of the part, with its covariance; positive definite, or getReason() says so \param part of the map
    * by its name; empty: the world */
   bool localize(PoseWithCovariance& pose, const PoseWithCovariance& guess, const std::string& part = {});
   /** \brief The pose alone. */
@@ -102,7 +102,7 @@ public:
   std::string getPart() const;
   AnswerState getState() const { return answer_.state; }
   /** \brief Why it is not sure; empty if it is. */
-  const std::string& getStatus() const { return answer_.reason; }
+  const std::string& getReason() const { return answer_.reason; }
   /** \brief All of it. */
   const Localization& getAnswer() const { return answer_; }
   /** \brief Its planes. */

@@ -31,15 +31,15 @@ bool PlanarSegmentation<PointT>::compute() {
 template <typename PointT>
 int PlanarSegmentation<PointT>::labelOf(std::size_t point) const {
   const PointT& p = (*input_)[point];
-  if (isOrganized(*input_)) return std::isfinite(p.z) ? result_.labels.label[point] : 0;
+  if (isOrganized(*input_) && result_.labels.label.size() == input_->size())
+    return std::isfinite(p.z) ? result_.labels.label[point] : 0;
   const auto pixel = pixelOf(p, result_.camera);
   if (!pixel) return 0;
   constexpr double kHidden = 0.02;  // share of depth
   const int label = result_.labels.label[*pixel];
   if (label == 0) return 0;
-  const double u = static_cast<double>(*pixel % static_cast<std::size_t>(result_.camera.width)),
-               v = static_cast<double>(*pixel / static_cast<std::size_t>(result_.camera.width));
-  const double inverse = result_.planes[static_cast<std::size_t>(label) - 1].at(u, v);
+  const Eigen::Vector2d q = result_.camera.project({p.x, p.y, p.z});
+  const double inverse = result_.planes[static_cast<std::size_t>(label) - 1].at(q.x(), q.y());
   return std::abs(1 - inverse * p.z) <= kHidden ? label : 0;
 }
 
@@ -55,10 +55,7 @@ void PlanarSegmentation<PointT>::segment(std::vector<pcl::PointIndices>& segment
   const auto add = [&](std::size_t i) {
     if (const int k = labelOf(i); k > 0) segments[k - 1].indices.push_back(static_cast<int>(i));
   };
-  if (isOrganized(*input_))
-    for (std::size_t i = 0; i < input_->size(); ++i) add(i);
-  else
-    for (const auto i : *indices_) add(static_cast<std::size_t>(i));
+  for (const auto i : *indices_) add(static_cast<std::size_t>(i));
 }
 
 template <typename PointT>
@@ -84,10 +81,7 @@ void PlanarSegmentation<PointT>::segment(Labels& labels) {
   labels.width = input_->width;
   labels.height = input_->height;
   const auto set = [&](std::size_t i) { labels[i].label = static_cast<std::uint32_t>(labelOf(i)); };
-  if (isOrganized(*input_))
-    for (std::size_t i = 0; i < labels.size(); ++i) set(i);
-  else
-    for (const auto i : *indices_) set(static_cast<std::size_t>(i));
+  for (const auto i : *indices_) set(static_cast<std::size_t>(i));
 }
 
 }  // namespace facetloc
