@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes as a list of images, and its lines as the names of images.
+// Bytes as a list of images.
 #include "recordings/image_list.h"
 
-#include "base/text.h"
 #include "fuzz_file.h"
-#include "recordings/name_numbers.h"
 
 #include <facetloc/io/error.h>
 
@@ -16,11 +14,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const auto& image : internal::imagesOfList(path))
       if (image.T_w_c) fuzz::require(image.T_w_c->matrix().allFinite(), "a pose is not finite");
   });
-  std::vector<std::string> names;
-  for (const auto line : text::lines(fuzz::asText(data, size))) names.emplace_back(line);
-  if (const auto found = internal::numbersInNames(names)) {
-    fuzz::require(found->numbers.size() == names.size(), "a name has no number");
-    internal::unitOfNumbers(found->numbers, found->decimal, found->padded);
-  }
   return 0;
 }

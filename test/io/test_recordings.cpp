@@ -120,7 +120,10 @@ TEST_F(Recordings, FilesOfOnePoseHaveTheNumbersOfTheirImages) {
 }
 
 TEST_F(Recordings, ImagesOfSeveralCamerasAreNoRecording) {
-  for (const auto& [first, second] : {std::pair("cam0_", "cam1_"), std::pair("left-", "right-")}) {
+  for (const auto& [first, second] : {std::pair("cam0_", "cam1_"),
+                                      {"left-", "right-"},
+                                      {"1-2-3-4-5-6-7-8-9-10-11-12-13-14-15-16-17-18-left-",
+                                       "1-2-3-4-5-6-7-8-9-10-11-12-13-14-15-16-17-18-right-"}}) {
     const TemporaryFolder folder;
     putBytes(folder / "camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=1000");
     for (const char* time : {"0.0", "0.5", "1.0"})
@@ -275,6 +278,14 @@ TEST_F(Recordings, NamesThatOnlyResembleTimesAreNotTimes) {
     putCloud(std::string("clouds/") + name + ".pcd", 1);
     EXPECT_FALSE(DepthSequence::open(folder_ / "clouds").stamped()) << name;
   }
+}
+
+TEST_F(Recordings, AListMayHaveANameOfAnyLength) {
+  put("camera.ini", "width=640 height=480 fx=525 fy=525 cx=319.5 cy=239.5 depth_scale=1000");
+  put("list.txt", "20121214T" + std::string(200000, '_') + "142255.png\n");
+  const DepthSequence sequence = DepthSequence::open(folder_ / "list.txt");
+  ASSERT_EQ(sequence.frames().size(), 1u);
+  EXPECT_THROW(sequence.load(0), IoError);
 }
 
 TEST_F(Recordings, ImagesOfAnUnknownCameraAreAnErrorThatNamesTheRemedy) {

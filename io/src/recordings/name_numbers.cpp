@@ -25,7 +25,7 @@ bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; 
  * 20121214T142255.814212, 2023-05-14_10-12-33, 2023.05.14 10:12:33,25. */
 std::optional<double> secondsOfDate(const std::string& name) {
   static const std::regex date(
-      R"((^|\D)((?:19|20)\d\d)([-_.:]?)(\d\d)\3(\d\d)[-T_ .]*(\d\d)([-_.:]?)(\d\d)\7(\d\d))"
+      R"((^|\D)((?:19|20)\d\d)([-_.:]?)(\d\d)\3(\d\d)[-T_ .]{0,4}(\d\d)([-_.:]?)(\d\d)\7(\d\d))"
       R"((?:[.,](\d{1,9}))?(?![\dA-Za-z]|[.,]\d))");
   std::smatch parts;
   if (!std::regex_search(name, parts, date)) return {};
@@ -134,13 +134,14 @@ std::string numbersOf(const std::string& name) {
 }
 
 std::vector<std::size_t> seriesInNames(const std::vector<std::string>& names) {
-  constexpr std::size_t kMostCameras = 8;
+  constexpr std::size_t kMostCameras = 8, kMostSlots = 16;
   std::vector<Pieces> pieces;
   std::size_t slots = 0;  // numbers that all names have; one slot more stands for their words
   for (const std::string& name : names) {
     pieces.push_back(piecesOf(name));
     slots = pieces.size() == 1 ? pieces[0].numbers.size() : std::min(slots, pieces.back().numbers.size());
   }
+  slots = std::min(slots, kMostSlots);
   for (std::size_t slot = 0; slot <= slots; ++slot) {
     std::map<std::string, std::size_t> series;                 // keyed by the word or number of the slot
     std::map<std::string, std::set<std::size_t>> series_with;  // the other pieces

@@ -141,12 +141,13 @@ private:
 
   /** Files with the numbers of images in their names that have a pose each: 17_pose.txt of 17_depth.png. */
   void findPosesBesideImages() {
+    static const std::regex digits("[0-9]+");
     std::map<std::string, std::map<std::string, fs::path>> kinds;  // keyed by words, then numbers
     const fs::path folder = layout_.frames.front().path.parent_path();
     for (const fs::path& file : files::entriesOf(folder, files::isFile)) {
       const std::string name = file.stem().string(), numbers = numbersOf(name);
       if (lowerExtension(file) == ".txt" && !numbers.empty())
-        kinds[std::regex_replace(name, std::regex("[0-9]+"), "#")].emplace(numbers, file);
+        kinds[std::regex_replace(name, digits, "#")].emplace(numbers, file);
     }
     for (const auto& [words, files] : kinds) {
       std::vector<PoseFile> poses;
