@@ -1,29 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Wrong readings of recordings: which of them does facetloc_check name?
+// Right and wrong readings of recordings: which of them does facetloc_check name, and by which witness?
 //
 //   facetloc_simulate room -o room --runs map --frames 60 --width 320
-//   score_readings room/map ...
+//   score_readings [--images N]... [--map MAP.flmap] [--csv FILE] room/map ...
 //
 // Each RECORDING is a folder with depth/*.png, camera.ini and groundtruth.txt, read rightly. About fifty
-// copies of it are made, each wrong in one way, and shown to facetloc_check: refused if it fails, named if it
-// has a note that it lacks for the recording itself, else silent. A note on the recording itself is
-// also printed, as far as it doubts how the recording is read.
+// copies of it are made, each wrong in one way, and shown to facetloc_check; so is the recording itself and,
+// with --images, each of its parts of N neighbouring images. With --map, facetloc_localize is asked as well.
+// Printed in Markdown: refusals and doubts of each reading, and how many readings each witness refuses,
+// doubts or is silent about.
 #include "../include/facetloc/testing/own_folder.h"
+#include "base/text.h"
 #include "cli/tools.h"
 #include "programs.h"
 
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/trajectory.h>
 
-#include <cctype>
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <functional>
-#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -47,13 +49,13 @@ struct Recording {
 struct WrongReading {
   std::string name;
   std::function<void(Recording&)> make;
+  bool of_poses = false;  ///< wrong in its poses alone
 };
 
 Recording readRecording(const fs::path& folder) {
   const DepthSequence sequence = DepthSequence::open(folder);
   Recording recording;
   recording.camera = sequence.camera().value();
-  recording.camera.camera.mounting.reset();
   constexpr int kBits = 16;
   for (const FrameFile& frame : sequence.frames()) {
     recording.names.push_back(frame.path.filename().string());
@@ -154,14 +156,16 @@ WrongReading bits(const std::string& name, double scale, std::function<int(int)>
 }
 
 WrongReading delay(double seconds) {
-  return {fmt::format("stamps of the poses off by {} s", seconds), [=](Recording& r) {
+  return {fmt::format("stamps of the poses off by {} s", seconds),
+          [=](Recording& r) {
             for (StampedPose& pose : r.poses) pose.stamp += seconds;
-          }};
+          },
+          true};
 }
 
 WrongReading poses(const std::string& name,
                    const std::function<Eigen::Isometry3d(const Eigen::Isometry3d&)>& change) {
-  return {name, [=](Recording& r) { forEachPose(r, change); }};
+  return {name, [=](Recording& r) { forEachPose(r, change); }, true};
 }
 
 /** Poses in other axes of the camera. */
@@ -223,12 +227,14 @@ std::vector<WrongReading> wrongReadings() {
                    move(r, [k](int u, int v) { return Eigen::Vector2d(k.width - 1 - u, k.height - 1 - v); });
                  }});
   for (const double seconds : {0.5, -0.7, 3.0}) all.push_back(delay(seconds));
-  all.push_back({"poses in another order", [](Recording& r) {
+  all.push_back({"poses in another order",
+                 [](Recording& r) {
                    Poses reversed = r.poses;
                    for (std::size_t i = 0; i < reversed.size(); ++i)
                      reversed[i].T_w_c = r.poses[reversed.size() - 1 - i].T_w_c;
                    r.poses = reversed;
-                 }});
+                 },
+                 true});
   all.push_back(poses("quaternions w x y z", [](const Eigen::Isometry3d& T) {
     return withQuaternion(T, [](const auto& q) { return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()); });
   }));
@@ -256,73 +262,161 @@ std::vector<WrongReading> wrongReadings() {
   return all;
 }
 
-struct Outcome {
-  int code = 0;
-  std::vector<std::string> notes;
-};
+/** \name Witnesses: the evidence of findings */
+/// @{
+constexpr std::array<const char*, 7> kWitnesses = {"reading",        "values",          "flatness",  "angles",
+                                                   "poses, motions", "floor, mounting", "map, query"};
+constexpr std::size_t kMapWitness = 6;
 
-Outcome check(const fs::path& folder) {
+std::size_t witnessOf(const std::string& id) {
+  struct Kind {
+    const char* begin;
+    std::size_t witness;
+  };
+  constexpr Kind kKinds[] = {{"values.", 1},          {"depth.", 1},
+                             {"planes.", 1},          {"camera.field", 1},
+                             {"camera.centre", 1},    {"geometry.angles", 3},
+                             {"geometry.pixels", 3},  {"geometry.", 2},
+                             {"camera.noise", 2},     {"camera.distortion", 2},
+                             {"poses.", 4},           {"trajectory.", 4},
+                             {"times.", 4},           {"camera.mounting", 5},
+                             {"camera.robot", 5},     {"localize.", 6},
+                             {"camera.difference", 6}};
+  for (const Kind& kind : kKinds)
+    if (id.rfind(kind.begin, 0) == 0) return kind.witness;
+  return 0;
+}
+/// @}
+
+Findings findingsOf(App& app, const std::vector<std::string>& arguments) {
   std::ostringstream out, err;
-  const int code = checkApp()->run({folder.string()}, Console{out, err, false, true, {}});
-  Outcome outcome{code, {}};
-  std::istringstream lines(out.str() + err.str());
-  for (std::string line; std::getline(lines, line);)
-    if (line.rfind("- ", 0) == 0 || line.rfind("facetloc_check:", 0) == 0)
-      outcome.notes.push_back(line.substr(2));
-  return outcome;
+  Findings findings;
+  Console console{out, err, false, true, {}};
+  console.findings = &findings;
+  if (app.run(arguments, console) != kOk && !firstOf(findings, Severity::refusal))
+    findings.push_back({"reading.failed", Severity::refusal, std::string(text::trimmed(err.str())), ""});
+  return findings;
 }
 
-std::string withoutNumbers(const std::string& text) {
-  std::string words;
-  for (const char c : text)
-    if (!std::isdigit(static_cast<unsigned char>(c)) && c != '.') words += c;
-  return words;
+/** The findings of facetloc_check, and of facetloc_localize about the map if one is given. */
+Findings findingsOf(const fs::path& recording, const std::string& map, const fs::path& work) {
+  Findings findings = findingsOf(*checkApp(), {recording.string()});
+  if (map.empty()) return findings;
+  const fs::path results = work / "results";
+  fs::remove_all(results);
+  for (Finding& finding : findingsOf(*localizeApp(), {map, recording.string(), "-o", results.string()}))
+    if (witnessOf(finding.id) == kMapWitness) findings.push_back(std::move(finding));
+  return findings;
 }
 
+/** "geometry.angles poses.disagree", each once. */
+std::string idsOf(const Findings& findings, Severity severity) {
+  std::string ids;
+  for (const Finding& finding : findings)
+    if (finding.severity == severity && (" " + ids + " ").find(" " + finding.id + " ") == std::string::npos)
+      ids += (ids.empty() ? "" : " ") + finding.id;
+  return ids;
+}
+
+/** Numbers of readings. */
 struct Counts {
-  int refused = 0, named = 0, silent = 0;
+  int refused = 0, doubted = 0, silent = 0;
+
+  void add(const Findings& findings) {
+    const bool is_refused = firstOf(findings, Severity::refusal) != nullptr;
+    ++(is_refused ? refused : firstOf(findings, Severity::doubt) ? doubted : silent);
+  }
 };
 
-void score(const fs::path& folder, Counts& counts) {
-  const Recording right = readRecording(folder);
-  const test::OwnFolder work;
-  const fs::path path = work.path() / "walk";
-  writeRecording(right, path);
-  const Outcome usual = check(path);
-  std::set<std::string> known;
-  for (const std::string& note : usual.notes) known.insert(withoutNumbers(note));
-  fmt::print("{}: {}\n", folder.string(), usual.code == 0 ? "accepted" : "REFUSED");
-  for (const std::string& note : usual.notes) fmt::print("    {}\n", note);
-  for (const WrongReading& wrong : wrongReadings()) {
-    Recording recording = right;
-    wrong.make(recording);
-    writeRecording(recording, path);
-    const Outcome outcome = check(path);
-    std::string first;
-    for (const std::string& note : outcome.notes)
-      if (first.empty() && !known.count(withoutNumbers(note))) first = note;
-    const bool refused = outcome.code != 0, named = !first.empty();
-    ++(refused ? counts.refused : named ? counts.named : counts.silent);
-    fmt::print("  {:44} {:8} {}\n", wrong.name,
-               refused ? "refused"
-               : named ? "named"
-                       : "SILENT",
-               first.substr(0, 150));
-    std::fflush(stdout);
+class ReadingsApp : public App {
+public:
+  ReadingsApp()
+      : App("score_readings", "RECORDING... [options]",
+            "Makes wrong readings of recordings that are read rightly, and counts which of them "
+            "facetloc_check refuses or doubts, by the evidence.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("RECORDING...", recordings_);
+    line.addOption("images", images_, "N",
+                   "Also check all parts of N neighbouring images as sound readings; may be repeated.");
+    line.addOption("map", map_, "MAP.flmap", "Also localize each reading in this map of its place.");
+    line.addOption("csv", csv_, "FILE", "Write the findings of each reading to this file.");
   }
-}
+
+  int execute(const CommandLine&, const Console& console) override {
+    console.out << "| recording | reading | sound | refusals | doubts |\n|---|---|---|---|---|\n";
+    for (const std::string& recording : recordings_) score(recording, console);
+    console.out << "\n| witness | sound: refused | doubted | silent | wrong: refused | doubted | silent "
+                   "|\n|---|---|---|---|---|---|---|\n";
+    for (std::size_t w = 0; w <= kWitnesses.size(); ++w) {
+      const Counts &sound = counts_[0][w], &wrong = counts_[1][w];
+      console.out << fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n",
+                                 w < kWitnesses.size() ? kWitnesses[w] : "all", sound.refused, sound.doubted,
+                                 sound.silent, wrong.refused, wrong.doubted, wrong.silent);
+    }
+    if (!csv_.empty())
+      writeTextAtomically(csv_, [this](std::ostream& out) {
+        out << "recording,reading,sound,refusals,doubts,notes\n" << rows_;
+      });
+    return kOk;
+  }
+
+  void score(const fs::path& folder, const Console& console) {
+    const Recording right = readRecording(folder);
+    const auto add = [&](const Recording& recording, const std::string& reading, bool is_sound) {
+      take(recording, folder.string(), reading, is_sound, console);
+    };
+    add(right, "as recorded", true);
+    for (const std::string& images : images_) {
+      const auto n = text::to<std::size_t>(images);
+      if (!n || *n == 0) throw UsageError("--images needs a positive number, not " + images);
+      for (std::size_t first = 0; first + *n <= right.images.size(); first += *n)
+        add(part(right, first, *n), fmt::format("{} images from {}", *n, first), true);
+    }
+    for (const WrongReading& wrong : wrongReadings()) {
+      if (wrong.of_poses && right.poses.empty()) continue;
+      Recording recording = right;
+      wrong.make(recording);
+      add(recording, wrong.name, false);
+    }
+  }
+
+  static Recording part(Recording recording, std::size_t first, std::size_t n) {
+    const auto cut = [first, n](auto& values) {
+      const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+      values = {begin, begin + static_cast<std::ptrdiff_t>(n)};
+    };
+    cut(recording.names), cut(recording.images);
+    return recording;
+  }
+
+  void take(const Recording& recording, const std::string& name, const std::string& reading, bool is_sound,
+            const Console& console) {
+    const test::OwnFolder work;
+    writeRecording(recording, work.path() / "walk");
+    const Findings findings = findingsOf(work.path() / "walk", map_, work.path());
+    std::array<Findings, kWitnesses.size() + 1> of_witness;
+    of_witness.back() = findings;
+    for (const Finding& finding : findings) of_witness[witnessOf(finding.id)].push_back(finding);
+    for (std::size_t w = 0; w < of_witness.size(); ++w) {
+      const bool is_asked = w != kMapWitness || !map_.empty();
+      if (is_asked) counts_[is_sound ? 0 : 1][w].add(of_witness[w]);
+    }
+    const std::string refusals = idsOf(findings, Severity::refusal),
+                      doubts = idsOf(findings, Severity::doubt);
+    const char* sound = is_sound ? "yes" : "no";
+    console.out << fmt::format("| {} | {} | {} | {} | {} |\n", name, reading, sound, refusals, doubts)
+                << std::flush;
+    rows_ += fmt::format("\"{}\",\"{}\",{},{},{},{}\n", name, reading, sound, refusals, doubts,
+                         idsOf(findings, Severity::note));
+  }
+
+  std::vector<std::string> recordings_, images_;
+  std::string map_, csv_, rows_;
+  std::array<std::array<Counts, kWitnesses.size() + 1>, 2> counts_{};  // sound and wrong readings
+};
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "Usage: score_readings RECORDING...\n");
-    return 2;
-  }
-  return benchmarks::runProgram("score_readings", [&] {
-    Counts all;
-    for (int i = 1; i < argc; ++i) score(argv[i], all);
-    fmt::print("{} refused, {} named, {} silent\n", all.refused, all.named, all.silent);
-    return 0;
-  });
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ReadingsApp>(argc, argv); }
