@@ -10,8 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace facetloc;
   static const fuzz::Folder folder;
   if (size == 0) return 0;
-  const char* names[] = {"a.ply", "a.obj", "a.stl", "a.pcd"};
-  const auto path = folder.put(names[(data[0] - '0') % 4u], fuzz::asText(data + 1, size - 1));
+  const char* names[] = {"a.ply", "a.obj", "a.stl", "a.pcd", "a.off"};
+  const auto path = folder.put(names[(data[0] - '0') % std::size(names)], fuzz::asText(data + 1, size - 1));
   pcl::PolygonMesh mesh;
   if (!fuzz::accepts<IoError>([&] { mesh = readModel(path); })) return 0;
   fuzz::require(mesh.cloud.width > 0 && mesh.cloud.data.size() >= mesh.cloud.point_step, "no points");
