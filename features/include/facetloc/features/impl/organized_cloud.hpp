@@ -144,7 +144,7 @@ std::optional<DepthImage> densestImage(const pcl::PointCloud<PointT>& cloud, con
   constexpr int kMostStep = 16, kLeastWidth = 40;
   for (int step = 1; step == 1 || (step <= kMostStep && camera.width / step >= kLeastWidth); step *= 2) {
     DepthImage image = seenImage(cloud, indices, camera.subsampled(step));
-    if (!indices) fillHoleGrid(image);
+    if (!indices && step == 1) fillHoleGrid(image);
     if (isDense(image)) return image;
   }
   why_not =
