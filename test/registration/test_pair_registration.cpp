@@ -36,7 +36,8 @@ TEST(PairRegistration, FindsTheTruePoseOfOneViewInAnother) {
   EXPECT_GT(answer.hypotheses.front().probability, 0.5);
 }
 
-/** The independent truth: a map of one local model whose pose is the identity. */
+/** The independent truth: a map of one local model whose pose is the identity. Pairs count their pixels
+ * alone, too (METHOD 10.6), which may add to a score and never takes from it. */
 TEST(PairRegistration, AnswersAsAMapOfOneLocalModel) {
   const View target = viewOf(kTarget, 1), view = viewOf(kNear, 2);
   const Localization of_pair = PairRegistration(target).align(view, usualPrior());
@@ -47,9 +48,9 @@ TEST(PairRegistration, AnswersAsAMapOfOneLocalModel) {
     const Hypothesis &a = of_pair.hypotheses[i], &b = of_map.hypotheses[i];
     EXPECT_EQ(a.T_m_c.T.matrix(), b.T_m_c.T.matrix());
     EXPECT_EQ(a.T_m_c.P, b.T_m_c.P);
-    EXPECT_EQ(a.score, b.score);
-    EXPECT_EQ(a.probability, b.probability);
     EXPECT_EQ(a.evidence, b.evidence);
+    EXPECT_GE(a.score, b.score);
+    if (i == 0) EXPECT_GE(a.probability, b.probability);
   }
 }
 
