@@ -49,9 +49,8 @@ std::string adviceOnPlan(const fs::path& image) {
   if (fs::exists(yaml, ignored))
     return fmt::format("is an image: of a floor plan, name its {}", yaml.filename().string());
   return fmt::format(
-      "is an image: of a floor plan, write the file {} with these lines, the second and third in metres, and "
-      "name it\n  image: {}\n  resolution: 0.05    # side of a pixel\n  origin: [0, 0, 0]   # x, y of its "
-      "lower "
+      "is an image: a floor plan is named by its .yaml file, so write {} with these lines, the second and "
+      "third in metres\n  image: {}\n  resolution: 0.05    # side of a pixel\n  origin: [0, 0, 0]   # lower "
       "left corner, yaw\n  negate: 0\n  occupied_thresh: 0.65\n  free_thresh: 0.196",
       yaml.string(), image.filename().string());
 }
