@@ -5,6 +5,7 @@
 #include <facetloc/mapping/map_findings.h>
 
 #include <chrono>
+#include <unistd.h>
 #include <utility>
 
 namespace facetloc {
@@ -12,6 +13,7 @@ namespace {
 
 constexpr std::uint64_t kEvery = 10;
 constexpr std::size_t kImages = 16, kLeastImages = 3;
+constexpr int kPolite = 10;
 
 Findings findingsOf(std::vector<DepthImage> images, const Camera& camera) {
   Findings found = depthFindings(images, camera.max_depth);
@@ -26,6 +28,7 @@ Findings findingsOf(std::vector<DepthImage> images, const Camera& camera) {
 void LiveFindings::judge() {
   judged_ = true;
   found_ = std::async(std::launch::async, [images = std::exchange(images_, {}), camera = camera_]() mutable {
+    static_cast<void>(nice(kPolite));  // frames come first; on Linux this is the thread's alone
     return findingsOf(std::move(images), camera);
   });
 }
