@@ -195,6 +195,7 @@ void fillHoleGrid(DepthImage& image) {
 }
 
 bool isDense(const DepthImage& image) {
+  constexpr int kFew = 16;  // measured pixels that tell nothing of density
   int measured = 0, beside = 0;
   for (int v = 0; v + 1 < image.camera.height; ++v)
     for (int u = 0; u + 1 < image.camera.width; ++u) {
@@ -202,7 +203,7 @@ bool isDense(const DepthImage& image) {
       ++measured;
       beside += isMeasured(image.at(u + 1, v)) && isMeasured(image.at(u, v + 1));
     }
-  return 2 * beside >= measured;
+  return measured < kFew || 2 * beside >= measured;
 }
 
 }  // namespace facetloc

@@ -77,7 +77,8 @@ int holeGridReach(const DepthImage& image);
  * grid of holes stays as it is. */
 void fillHoleGrid(DepthImage& image);
 
-/** \brief True if most measured pixels have measured ones to their right and below them. */
+/** \brief True if most measured pixels have measured ones to their right and below them, or if there are
+ * hardly any. */
 bool isDense(const DepthImage& image);
 
 }  // namespace facetloc
