@@ -320,6 +320,23 @@ TEST_F(Tools, OtherParametersBeginAnew) {
   EXPECT_THAT(contentOf(results + "/params.ini"), HasSubstr("min_support = 99"));
 }
 
+TEST_F(Tools, LocalizeLeavesFilesOfOthersAloneUnlessToldOtherwise) {
+  const std::string results = folder_ / "results", others = results + "/timing_of_mine.csv";
+  fs::create_directories(results);
+  writeContent(others, "mine");
+  const auto localize = [&](const Arguments& more) {
+    return runTool<localizeApp>(Arguments{map(), firstImage(), "-o", results} + more);
+  };
+  for (const Arguments& more : {Arguments{}, Arguments{"--resume"}})
+    EXPECT_THAT(localize(more),
+                fails("results: holds other files already", "timing_of_mine.csv", "--overwrite"));
+  EXPECT_EQ(filesOf(results).size(), 1u);
+  ok(localize({"--overwrite"}));
+  ok(localize({}));
+  EXPECT_EQ(readTiming(results).size(), 1u);
+  EXPECT_EQ(contentOf(others), "mine");
+}
+
 TEST_F(Tools, LocalizeNamesMissingInputs) {
   EXPECT_EQ(runTool<localizeApp>({map(), query()}).code, kUsage);
   EXPECT_EQ(runTool<localizeApp>({folder_ / "nowhere.flmap", query(), "-o", folder_ / "x"}).code, kFailed);

@@ -9,6 +9,7 @@
 #include "evaluation/start_curves.h"
 #include "evaluation/verdict.h"
 #include "inputs/depth_input.h"
+#include "outputs/output_folder.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>
@@ -32,12 +33,16 @@ constexpr const char* kMappingRun = "map";  // folder of a simulated place
 constexpr const char* kTrajectories = "trajectory.png";
 constexpr const char* kMapPage = "map.html";
 
-/** Removes the output of an earlier evaluation that this one may not replace. */
-void removeEarlier(const fs::path& folder) {
-  for (const char* name :
-       {"report.html", kMapPage, "timing_summary.csv", "fig6.png", "reliability.png", "errors.png",
-        "floor_map.png", kTrajectories, "starts.png", "starts_by_images.csv", "starts_by_metres.csv"})
-    fs::remove(folder / name);
+/** Claims a folder, and removes the output of an earlier evaluation that this one may not replace. */
+void begin(const fs::path& folder, bool overwrite) {
+  const std::vector<std::string> earlier = {
+      "report.html",         kMapPage,        "timing_summary.csv", "fig6.png",   "reliability.png",
+      "errors.png",          "floor_map.png", kTrajectories,        "starts.png", "starts_by_images.csv",
+      "starts_by_metres.csv"};
+  std::vector<std::string> marks = earlier;
+  marks.emplace_back("evaluation.txt");
+  claimFolder(folder, marks, overwrite);
+  for (const std::string& name : earlier) fs::remove(folder / name);
   removeMisses(folder / kFailureFolder);
 }
 
@@ -90,6 +95,7 @@ private:
     line.addArgument("RESULTS", results_);
     line.addArgument("GROUNDTRUTH", truth_, false);
     line.addOption("output,o", folder_, "DIR", "Folder of the evaluation; RESULTS/evaluation unless given.");
+    addOverwrite(line, overwrite_);
     line.addOption("known", known_, "FILE",
                    "Findings of facetloc_check --findings about the recordings; may be given several times.");
     line.addOption("map", map_, "MAP.flmap", "The map that the images were localized in.");
@@ -252,8 +258,7 @@ private:
     }
     const fs::path beside = fs::path(results_).replace_extension();
     const fs::path folder = folder_.empty() ? fs::path(beside.string() + "_evaluation") : fs::path(folder_);
-    createFolders(folder);
-    removeEarlier(folder);
+    begin(folder, overwrite_);
     writeReport(folder, report);
     const OffscreenDisplay display;
     if (display.available())
@@ -275,8 +280,7 @@ private:
     if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
     for (const RunResults& run : input.runs)
       report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
-    createFolders(folder_);
-    removeEarlier(folder_);
+    begin(folder_, overwrite_);
     writeHtmlReport(folder_, report, figuresOf(report, input, console));
     printFindings(console.out, report.findings);
     printVerdict(console.out, verdictOf(report));
@@ -298,8 +302,7 @@ private:
     input.truth = PlaceTruth::open(truth_, time_offset_);
     if (align_) input.alignment = align(input);
     const EvaluationReport report = reportOf(input);
-    createFolders(folder_);
-    removeEarlier(folder_);
+    begin(folder_, overwrite_);
     writeReport(folder_, report);
     if (const auto answers = readStarts(results_); !answers.empty()) {
       const Eigen::Isometry3d T_true_estimated =
@@ -319,7 +322,7 @@ private:
 
   std::string results_, truth_, folder_, map_, map_truth_;
   std::vector<std::string> known_;  // files of findings
-  bool align_ = false, beside_paper_ = false;
+  bool overwrite_ = false, align_ = false, beside_paper_ = false;
   double pose_tolerance_ = 0.02, time_offset_ = 0;
   EvaluationParams params_;
 };

@@ -7,6 +7,7 @@
 #include "live/live_window.h"
 #include "outputs/localization_report.h"
 #include "outputs/map_completion.h"
+#include "outputs/output_folder.h"
 #include "outputs/pose_stream.h"
 #include "outputs/provenance.h"
 
@@ -50,7 +51,8 @@ private:
                    "Make this map while running. The file is valid at any time, complete at the end.");
     line.addOption("extend", run.extend, "MAP.flmap",
                    "Localize in this map, and update it with the run's images at the end.");
-    line.addSwitch("overwrite", overwrite_, "With --build: replace an existing map.");
+    line.addSwitch("overwrite", overwrite_,
+                   "Replace an existing map; write results to a folder with other files.");
     line.addOption(
         "camera", run.source.camera, "FILE|NAME",
         fmt::format("Camera: a camera.ini, a map made with it, or a preset: {}. By the recording or "
@@ -102,7 +104,8 @@ private:
     if (!run_.near.empty() && !has_map) throw UsageError("near belongs to --map or --extend");
     if (!run_.remember.empty() && !has_map) throw UsageError("remember belongs to --map or --extend");
     startPose(run_.near, {});
-    if (overwrite_ && run_.build.empty()) throw UsageError("overwrite belongs to --build");
+    if (overwrite_ && run_.build.empty() && run_.results.empty())
+      throw UsageError("overwrite belongs to --build or --results");
     const std::string& device = run_.source.device;
     if (run_.source.every_frame && (device.empty() || device.front() == '#'))
       throw UsageError("every-frame belongs to a recording: --device FILE");
@@ -137,7 +140,10 @@ private:
     for (const std::string* folder : {&options.results, &options.screenshots})
       if (!folder->empty() && fs::is_directory(played))
         requireOtherFolder(*folder, fs::is_directory(depth) ? depth : played);
-    if (!options.results.empty()) Provenance::requireNotReplaced(line.paramsFile(), options.results);
+    if (!options.results.empty()) {
+      Provenance::requireNotReplaced(line.paramsFile(), options.results);
+      claimFolder(options.results, marksOfResults(), overwrite_);
+    }
     if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 
     if (!options.extend.empty()) return playAndExtend(options, line, console);

@@ -142,11 +142,14 @@ void requireOtherFolder(const fs::path& results, const fs::path& images) {
                                  results.string()));
 }
 
-void requireNoneButPicture(const fs::path& path) {
+bool isPicture(const fs::path& path) {
   constexpr int kPictureBits = 8;
-  if (!fs::exists(path)) return;
   const auto size = pngSize(path);
-  if (!size || size->bits != kPictureBits)
+  return size && size->bits == kPictureBits;
+}
+
+void requireNoneButPicture(const fs::path& path) {
+  if (fs::exists(path) && !isPicture(path))
     throw UsageError(fmt::format("the picture would overwrite {}, which is not a picture", path.string()));
 }
 

@@ -12,6 +12,7 @@
 #include "inputs/gravity_option.h"
 #include "inputs/localization_options.h"
 #include "outputs/localization_report.h"
+#include "outputs/output_folder.h"
 #include "outputs/pose_stream.h"
 #include "outputs/provenance.h"
 #include "tools/image_trajectory.h"
@@ -176,6 +177,7 @@ private:
     gravity_.addOptions(line);
     line.addSwitch("smooth", smooth_, "With --sequence: localize each image also by the images after it.");
     addStreamOption(line, streams_);
+    addOverwrite(line, overwrite_);
     line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
     line.addPresets();
     addRecordingOptions(line, input_.recording);
@@ -207,7 +209,6 @@ private:
   /** Begins a run, or goes on with an earlier one. The folder is left alone if all is done already
    * and nothing else is in it. */
   Run begin(const Task& task) const {
-    for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
     const Provenance provenance{task.params_ini, imageSizes(task.sequence)};
     const auto earlier = earlierResults(provenance);
     const std::vector<ResultFrame> frames = task.resultFrames();
@@ -434,7 +435,8 @@ private:
     });
     if (batch.helped()) return kOk;
 
-    createFolders(folder_);
+    for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
+    claimFolder(folder_, marksOfResults(), overwrite_);
     const OutputLock lock = OutputLock::ofFolder(folder_);
     task.params_ini = paramsIni(task.sequence.camera(), camera, *map);
     Run run = begin(task);
@@ -460,7 +462,7 @@ private:
   std::string map_, input_path_, folder_, map_covers_, near_, odometry_;
   int max_hypotheses_ = 100;
   double min_probability_ = kMinProbability;
-  bool resume_ = false, streams_ = false, is_sequence_ = false, smooth_ = false;
+  bool overwrite_ = false, resume_ = false, streams_ = false, is_sequence_ = false, smooth_ = false;
   int starts_ = 0;
   DepthInput input_;
   GravityOption gravity_;

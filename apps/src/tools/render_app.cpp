@@ -10,6 +10,7 @@
 #include "evaluation/verdict.h"
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
+#include "outputs/output_folder.h"
 #include "outputs/provenance.h"
 
 #include <facetloc/features/map_parts.h>
@@ -136,6 +137,7 @@ private:
   void addOptions(CommandLine& line) override {
     line.addArgument("INPUT", input_);
     line.addOption("output,o", output_, "OUT", "An HTML page, a PNG file, or a folder of PNG files.");
+    addOverwrite(line, overwrite_);
     line.addOption("map", map_, "MAP.flmap", "The map to localize the images in, or the map of the results.");
     line.addOption("frame", frame_, "NAME", "Draw only this image of a sequence.");
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of answers drawn per image.");
@@ -186,7 +188,6 @@ private:
     if (to_folder && text::lowerExtension(output_) == ".png")
       throw UsageError(fmt::format("{} has several images: -o names a folder, or use --frame", input_));
     if (!to_folder) requirePng(output_);
-    if (to_folder) createFolders(output_);
     const auto pathOf = [&](std::size_t i) {
       return to_folder ? fs::path(output_) / (sequence.frames()[i].name + ".png") : fs::path(output_);
     };
@@ -194,6 +195,7 @@ private:
       if (to_folder) requireOtherFolder(output_, sequence.frames()[i].path.parent_path());
       requireNoneButPicture(pathOf(i));
     }
+    if (to_folder) claimPictureFolder(output_, overwrite_);
 
     const Camera camera = depth_.camera(sequence.camera(), line);
     std::shared_ptr<const Map> map;
@@ -260,12 +262,12 @@ private:
     if (evaluation.frames.empty()) throw IoError(sequence_, "has no pose for any image of " + input_);
     const std::vector<Failure> failures = findFailures(evaluation, runs, map);
     const std::size_t drawn = std::min<std::size_t>(failures.size(), most_);
-    createFolders(output_);
     for (const FrameFile& frame : sequence.frames()) requireOtherFolder(output_, frame.path.parent_path());
     const auto pathOf = [&](const std::string& name) { return fs::path(output_) / (name + ".png"); };
     const fs::path sheet_path = pathOf("failures");
     requireNoneButPicture(sheet_path);
     for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
+    claimPictureFolder(output_, overwrite_);
     fs::remove(sheet_path);  // left by an earlier run; there may be no failure now
 
     ViewBuilder builder(map.calibrated(depth_.camera(sequence.camera(), line)), depth_.view);
@@ -355,6 +357,7 @@ private:
   }
 
   std::string input_, output_, map_, frame_, trajectory_, marks_, sequence_;
+  bool overwrite_ = false;
   int max_hypotheses_ = 1, most_ = 20;
   DepthInput depth_;
   EvaluationParams evaluation_;

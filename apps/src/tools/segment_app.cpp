@@ -5,6 +5,7 @@
 #include "drawing/colours.h"
 #include "drawing/depth_drawing.h"
 #include "inputs/depth_input.h"
+#include "outputs/output_folder.h"
 #include "outputs/provenance.h"
 #include "tools/noise_table.h"
 
@@ -162,6 +163,7 @@ private:
     line.addSwitch("ply", ply_, "Also write <name>.ply: the outlines of the segments, for mesh viewers.");
     line.addSwitch("noise", measures_noise_,
                    "Measure the noise of the images over depth instead, and print values for camera.ini.");
+    addOverwrite(line, overwrite_);
     line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
     addRecordingOptions(line, input_.recording);
     input_.addOptions(line);
@@ -230,11 +232,6 @@ private:
 
   /** \return which images are still to be done. */
   std::vector<std::size_t> prepare(const std::vector<Image>& images, const Provenance& provenance) const {
-    for (const Image& image : images) {
-      const fs::path of_images = image.file().path.parent_path();
-      requireOtherFolder(folder_, of_images);
-      requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
-    }
     const auto before = Provenance::read(folder_);
     std::vector<std::size_t> todo;
     std::vector<std::string> finished;
@@ -290,7 +287,7 @@ private:
 
   int execute(const CommandLine& line, const Console& console) override {
     if (measures_noise_) {
-      for (const char* other : {"output", "labels", "overlay", "pcd", "ply", "resume"})
+      for (const char* other : {"output", "labels", "overlay", "pcd", "ply", "overwrite", "resume"})
         if (line.given(other)) throw UsageError(std::string("--noise writes no files: leave out --") + other);
       return measureNoise(line, console);
     }
@@ -312,11 +309,16 @@ private:
               }};
     });
     if (batch.helped()) return kOk;
-    createFolders(folder_);
-    const OutputLock lock = OutputLock::ofFolder(folder_);
-    const Images todo = prepare(all, provenance(all, line));
     std::vector<FrameFile> frames;
     for (const Image& image : all) frames.push_back(image.file());
+    for (const FrameFile& frame : frames) {
+      const fs::path of_images = frame.path.parent_path();
+      requireOtherFolder(folder_, of_images);
+      requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
+    }
+    claimFolder(folder_, {"params.ini", "images.txt"}, overwrite_);
+    const OutputLock lock = OutputLock::ofFolder(folder_);
+    const Images todo = prepare(all, provenance(all, line));
     writeInputs(folder_, frames);
 
     const auto start = std::chrono::steady_clock::now();
@@ -339,7 +341,7 @@ private:
 
   std::vector<std::string> inputs_;
   std::string folder_;
-  bool labels_ = false, overlay_ = false, pcd_ = false, ply_ = false, resume_ = false,
+  bool labels_ = false, overlay_ = false, pcd_ = false, ply_ = false, overwrite_ = false, resume_ = false,
        measures_noise_ = false;
   DepthInput input_;
 };

@@ -4,6 +4,7 @@
 #include "cli/tools.h"
 #include "evaluation/evaluation_report.h"
 #include "inputs/depth_input.h"
+#include "outputs/output_folder.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
@@ -105,6 +106,7 @@ private:
     line.addArgument("LATER", later_, false);
     line.addOption("output,o", folder_, "DIR",
                    "Folder of the report; RECORDING's name with .try, in the working folder, unless given.");
+    addOverwrite(line, overwrite_);
     line.addOption("camera", camera_, "FILE|NAME",
                    "The camera of both recordings: camera.ini, a map or a preset.");
     line.addOption("depth-scale", depth_scale_, "N", "Image values per metre.");
@@ -132,12 +134,14 @@ private:
     std::vector<std::string> localize = withReading({in("map.flmap"), of_query, "-o", in("results")});
     const DepthSequence map_run = openSequence(recording_, hints, console);
     const DepthSequence query = openSequence(of_query, hints, console);
+    if (overwrite_) localize.emplace_back("--overwrite");
     if (query.stamped()) localize.emplace_back("--sequence");
     std::vector<Stage> all = {
         {"check", "how the recording is read", checkApp, withReading({recording_}), recording_}};
     if (!later_.empty())
       all.push_back({"check_later", "how the later one is read", checkApp, withReading({later_}), later_});
-    std::vector<std::string> evaluate = {in("results"), "--map", in("map.flmap"), "-o", folder_};
+    std::vector<std::string> evaluate = {in("results"), "--map", in("map.flmap"),
+                                         "--overwrite", "-o",    folder_};
     for (const Stage& check : all) evaluate.insert(evaluate.end(), {"--known", in(check.findingsFile())});
     const bool own_frame = without_poses_ || map_run.groundTruth().empty();
     if (!query.groundTruth().empty()) {
@@ -196,7 +200,7 @@ private:
     for (const std::string& recording : {recording_, later_})
       if (!recording.empty()) requireOutside(folder_, recording);
     const std::vector<Stage> all = stages(line, console);
-    createFolders(folder_);
+    claimFolder(folder_, {"check.txt", "check.json", "report.html"}, overwrite_);
     if (later_.empty())
       console.note(
           "no LATER recording: the images of the map itself are localized, which says little of another day");
@@ -213,7 +217,7 @@ private:
   std::string in(const std::string& name) const { return (std::filesystem::path(folder_) / name).string(); }
 
   std::string recording_, later_, folder_, camera_, depth_scale_, poses_are_;
-  bool without_poses_ = false, open_ = false;
+  bool overwrite_ = false, without_poses_ = false, open_ = false;
 };
 
 }  // namespace

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "outputs/output_folder.h"
+
+#include "cli/findings_file.h"
+#include "outputs/provenance.h"
+
+#include <facetloc/io/atomic_file.h>
+#include <facetloc/io/error.h>
+
+#include <algorithm>
+#include <fmt/core.h>
+#include <system_error>
+
+namespace facetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** The files directly in a folder, sorted, without hidden ones. */
+std::vector<fs::path> visibleFiles(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    std::error_code broken;  // a link without a target is a file
+    if (entry.path().filename().string().front() != '.' && !entry.is_directory(broken))
+      files.push_back(entry.path());
+  }
+  if (error) throw IoError(folder.string(), "cannot be read: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+[[noreturn]] void refuse(const fs::path& folder, const fs::path& file) {
+  throw IoError(folder.string(),
+                fmt::format("holds other files already, such as {}; give --overwrite to write among them, or "
+                            "use another folder",
+                            file.filename().string()));
+}
+
+}  // namespace
+
+const std::vector<std::string>& marksOfResults() {
+  static const std::vector<std::string> marks = {"hypotheses.csv", "timing.csv", kFindingsFile};
+  return marks;
+}
+
+void addOverwrite(CommandLine& line, bool& overwrite) {
+  line.addSwitch("overwrite", overwrite, "Write to a folder that already holds other files.");
+}
+
+void claimFolder(const fs::path& folder, const std::vector<std::string>& marks, bool overwrite) {
+  createFolders(folder);
+  if (overwrite) return;
+  const std::vector<fs::path> files = visibleFiles(folder);
+  const bool is_own = std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
+    return std::find(marks.begin(), marks.end(), file.filename().string()) != marks.end();
+  });
+  if (!files.empty() && !is_own) refuse(folder, files.front());
+}
+
+void claimPictureFolder(const fs::path& folder, bool overwrite) {
+  createFolders(folder);
+  if (overwrite) return;
+  for (const fs::path& file : visibleFiles(folder))
+    if (!isPicture(file)) refuse(folder, file);
+}
+
+}  // namespace facetloc
