@@ -9,8 +9,7 @@ build=${FACETLOC_BUILD:-$root/build}
 out=${1:-$root/out/demo}
 
 "$root/cmake/install_dependencies.sh"
-cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFACETLOC_BUILD_TESTS=OFF \
-      -DFACETLOC_WITH_ROSBAG=ON >/dev/null
+cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFACETLOC_BUILD_TESTS=OFF >/dev/null
 cmake --build "$build"
 bin=$build/apps
 

@@ -245,7 +245,7 @@ house() {
 # The demo's configuration, not built.
 configured() {
   [ -e demo/compile_commands.json ] || cmake -S "$root" -B demo -G Ninja -DCMAKE_BUILD_TYPE=Release -DFACETLOC_BUILD_TESTS=OFF \
-    -DFACETLOC_WITH_ROSBAG=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON > /dev/null
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON > /dev/null
 }
 
 # Processor seconds of the demo's build without a cache, as a ratio to a file that no change touches.

@@ -210,7 +210,7 @@ TEST_F(RecordingTools, ConvertWritesCloudsWithTheirIntrinsics) {
 }
 
 TEST_F(RecordingTools, ConvertWritesTheOdometryOfABag) {
-  if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
+  if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with";
   const DepthSequence walk = DepthSequence::open(map_run());
   ASSERT_TRUE(writeBag(walk, folder_ / "walk.bag", "uint16", walk.groundTruth()));
   EXPECT_THAT(ok(convert(folder_ / "walk.bag", "out")).out, HasSubstr("12 poses in odometry.txt"));

@@ -3,6 +3,7 @@
 // formats: make_seeds FOLDER writes FOLDER/<target>/<name>.
 #include "../io/oni_writer.h"
 #include "batch/bytes.h"
+#include "bytes/sqlite.h"
 #include "small_map.h"
 
 #include <facetloc/features/depth_distortion.h>
@@ -15,6 +16,7 @@
 #include <pcl/io/pcd_io.h>
 
 #include <array>
+#include <fmt/format.h>
 #include <fstream>
 #include <iostream>
 #include <random>
@@ -136,6 +138,67 @@ std::string mcap(bool chunked) {
          record(15, bytesOf<std::uint32_t>({0}));
 }
 
+/** A record of a bag: its fields, and its data. */
+std::string bagRecord(const std::vector<std::string>& fields, const std::string& data) {
+  std::string header;
+  for (const std::string& field : fields) header += text(field);
+  return text(header) + text(data);
+}
+
+/** A bag of ROS 1 with one image in a chunk. */
+std::string bag() {
+  const auto number = [](const char* name, std::uint32_t value) {
+    return name + bytesOf<std::uint32_t>({value});
+  };
+  const auto place = [](const char* name, std::uint64_t value) {
+    return name + bytesOf<std::uint64_t>({value});
+  };
+  const auto op = [](char code) { return std::string("op=") + code; };
+  const std::string begin = "#ROSBAG V2.0\n", time = bytesOf<std::uint32_t>({5, 6});
+  const std::string connection =
+      bagRecord({op(7), number("conn=", 0), "topic=/depth"},
+                text("topic=/depth") + text("type=sensor_msgs/Image") +
+                    text("md5sum=060021388200f6f0f447d0fcd9c64743") + text("message_definition="));
+  const std::string messages =
+      connection + bagRecord({op(2), number("conn=", 0), "time=" + time}, imageMessage());
+  const auto size = static_cast<std::uint32_t>(messages.size()),
+             first = static_cast<std::uint32_t>(connection.size());
+  const std::string chunk = bagRecord({op(5), "compression=none", number("size=", size)}, messages) +
+                            bagRecord({op(4), number("ver=", 1), number("conn=", 0), number("count=", 1)},
+                                      time + bytesOf<std::uint32_t>({first}));
+  constexpr std::size_t kHeader = 4096;  // bytes of the first record
+  const auto header = [&](std::size_t padding) {
+    return bagRecord({op(3), place("index_pos=", begin.size() + kHeader + chunk.size()),
+                      number("conn_count=", 1), number("chunk_count=", 1)},
+                     std::string(padding, ' '));
+  };
+  const std::string info = bagRecord({op(6), number("ver=", 1), place("chunk_pos=", begin.size() + kHeader),
+                                      "start_time=" + time, "end_time=" + time, number("count=", 1)},
+                                     bytesOf<std::uint32_t>({0, 1}));
+  return begin + header(kHeader - header(0).size()) + chunk + connection + info;
+}
+
+/** A database of rosbag2 with one image. */
+std::string rosbag2() {
+  const Folder folder;
+  const fs::path path = folder.path() / "walk.db3";
+  {
+    sqlite::Connection db(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+    db.execute("PRAGMA page_size = 512; CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, "
+               "serialization_format TEXT); CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, "
+               "timestamp INTEGER, data BLOB)");
+    db.execute("INSERT INTO topics VALUES(1, '/depth', 'sensor_msgs/msg/Image', 'cdr')");
+    const std::string image = std::string("\0\1\0\0", 4) + bytesOf<std::uint32_t>({5, 6, 7}) +
+                              std::string("camera\0\0", 8) + bytesOf<std::uint32_t>({2, 4, 6}) +
+                              std::string("16UC1\0\0\0", 8) + bytesOf<std::uint32_t>({8, 16}) +
+                              bytesOf<std::uint16_t>({1, 2, 3, 4, 5, 6, 7, 8});
+    std::string hex;
+    for (const char byte : image) hex += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+    db.execute("INSERT INTO messages VALUES(1, 1, 5000000006, x'" + hex + "')");
+  }
+  return contentOf(path);
+}
+
 void makeMessages(const Seeds& seeds) {
   seeds.put("cdr", "image", "I" + imageMessage());
   const std::string header = bytesOf<std::uint32_t>({1, 2, 3}) + text("camera");
@@ -146,6 +209,10 @@ void makeMessages(const Seeds& seeds) {
   seeds.put("cdr", "info",
             "K" + header + bytesOf<std::uint32_t>({2, 4}) + text("plumb_bob") + std::string(260, 0));
   seeds.put("cdr", "tf", "T" + bytesOf<std::uint32_t>({1}) + header + text("base") + std::string(56, 0));
+  seeds.put("bags", "ros1", "b" + bag());
+  seeds.put("bags", "rosbag2", "d" + rosbag2());
+  seeds.put("bags", "folder",
+            "frosbag2_bagfile_information:\n  relative_file_paths:\n    - walk_0.db3\n---\n" + rosbag2());
   seeds.put("rvl", "five", rvl);
   seeds.put("mcap", "chunk", mcap(true));
   seeds.put("mcap", "plain", mcap(false));

@@ -13,7 +13,7 @@ Trajectory odometry() { return Trajectory(turningPath(5)); }
 class Bag : public RecordedSequence {
 protected:
   void SetUp() override {
-    if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with, or a build that reads none";
+    if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with";
     writeSequence();
   }
   fs::path bag(const std::string& kind) const {
@@ -104,6 +104,45 @@ TEST_F(Bag, UnreadableFilesAreAnErrorWithTheCause) {
     EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder_ / "broken.bag"); }), HasSubstr("broken.bag"));
   }
   EXPECT_THAT(ioErrorOf([&] { DepthSequence::open(folder_ / "none.bag"); }), HasSubstr("does not exist"));
+}
+
+TEST_F(Bag, IsReadByItsRecordsAndNotItsIndex) {
+  for (const char* compression : {"uint16", "compressed"}) {
+    std::string bytes = bytesOf(bag(compression));
+    const std::size_t index = bytes.find(std::string("op=\4"));
+    ASSERT_NE(index, std::string::npos);
+    constexpr std::size_t kOffset = 22;  // bytes to the place of the first message
+    bytes.replace(bytes.find("count=", index) + kOffset, 4, "\xff\xff\xff\x7f");
+    putBytes(folder_ / "index.bag", bytes);
+    EXPECT_EQ(DepthSequence::open(folder_ / "index.bag").frames().size(), 6u) << compression;
+  }
+}
+
+TEST_F(Bag, ATornOneIsReadAsFarAsItGoes) {
+  CameraFile file;
+  file.camera.intrinsics = example_.camera;
+  writeCameraFile(folder_ / "camera.ini", file);
+  const std::string bytes = bytesOf(bag("uint16"));
+  const std::size_t chunk = bytes.find(std::string("op=\5")), index = bytes.find(std::string("op=\4"));
+  putBytes(folder_ / "torn.bag", bytes.substr(0, chunk + (index - chunk) / 2));
+  const DepthSequence read = DepthSequence::open(folder_ / "torn.bag");
+  EXPECT_THAT(read.frames().size(), testing::AllOf(testing::Ge(1u), testing::Lt(6u)));
+  EXPECT_THAT(read.remark(), HasSubstr("never finished"));
+}
+
+TEST_F(Bag, AnyDamageIsReadOrRefused) {
+  const std::string bytes = bytesOf(bag("uint16"));
+  constexpr std::size_t kBegin = 4100, kRecords = 600;  // bytes in front of the chunk, and of records
+  for (std::size_t k = 0; k < 2 * kRecords; ++k) {
+    const std::size_t i = k < kRecords ? kBegin + k : bytes.size() - 2 * kRecords + k;
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(~damaged[i]);
+    putBytes(folder_ / "damaged.bag", damaged);
+    try {
+      DepthSequence::open(folder_ / "damaged.bag");
+    } catch (const IoError&) {
+    }
+  }
 }
 
 TEST_F(Bag, WithoutOdometryIsAnError) {

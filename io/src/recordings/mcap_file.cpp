@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MCAP, after its public specification (mcap.dev/spec). The file is read from its beginning; the index at its
 // end, which an unfinished file lacks, is not needed and not believed.
-#include "bytes/files.h"
-#include "recordings/message_file.h"
+#include "recordings/chunked_file.h"
 #include "recordings/ros_messages.h"
 
 #include <facetloc/io/error.h>
@@ -12,9 +11,7 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <map>
-#include <mutex>
 #include <optional>
-#include <unistd.h>
 
 namespace facetloc::internal {
 namespace {
@@ -44,29 +41,15 @@ Record recordOf(const std::uint8_t* head) {
 
 std::uint32_t crc(ByteView bytes) { return libdeflate_crc32(0, bytes.data, bytes.size); }
 
-/** A chunk of messages. */
-struct ChunkPlace {
-  std::uint64_t begin = 0, packed = 0;  // its records in the file [bytes]
-  std::uint64_t unpacked = 0;           // as it claims [bytes]
-  std::string compression;
-};
-
-class McapFile : public MessageFile {
+class McapFile : public ChunkedFile {
 public:
-  explicit McapFile(const fs::path& path) : MessageFile(path), file_(files::open(path)) {
-    size_ = fs::file_size(path);
+  explicit McapFile(const fs::path& path) : ChunkedFile(path) {
     std::uint8_t magic[sizeof kMagic];
-    if (size_ < sizeof magic || !readAt(0, magic, sizeof magic) ||
+    if (size() < sizeof magic || !readAt(0, magic, sizeof magic) ||
         std::memcmp(magic, kMagic, sizeof kMagic) != 0)
       throw IoError(path.string(), "is no MCAP file");
     scan();
-    if (damaged_ > 0)
-      addFault(fmt::format("{} of its {} chunks {} damaged and left out", damaged_, chunks_.size(),
-                           damaged_ == 1 ? "is" : "are"));
-    if (undeclared_ > 0)
-      addFault(fmt::format("{} of its messages {} of a channel that is not declared", undeclared_,
-                           undeclared_ == 1 ? "is" : "are"));
-    sortEntries();
+    finish();
   }
 
   Bytes read(const MessageEntry& entry) const override {
@@ -92,20 +75,10 @@ private:
     return {data, data + record.size - kMessageHead};
   }
 
-  bool readAt(std::uint64_t place, std::uint8_t* to, std::size_t n) const {
-    while (n > 0) {
-      const ssize_t got = pread(fileno(file_.get()), to, n, static_cast<off_t>(place));
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return false;
-      to += got, place += static_cast<std::uint64_t>(got), n -= static_cast<std::size_t>(got);
-    }
-    return true;
-  }
-
   /** Nothing where the file ends. */
   std::optional<Record> recordAt(std::uint64_t place) const {
     std::uint8_t head[kRecordHead];
-    if (size_ - place < sizeof head || !readAt(place, head, sizeof head)) return {};
+    if (size() - place < sizeof head || !readAt(place, head, sizeof head)) return {};
     return recordOf(head);
   }
 
@@ -116,7 +89,7 @@ private:
       if (!record || record->opcode == kInvalid)
         return addFault("was never finished, or is torn: it is read as far as it goes");
       if (record->opcode == kDataEnd || record->opcode == kFooter) return checkData(place, *record);
-      const std::uint64_t begin = place + kRecordHead, left = size_ - begin;
+      const std::uint64_t begin = place + kRecordHead, left = size() - begin;
       const std::uint64_t size = std::min(record->size, left);
       try {
         readRecord(record->opcode, place, size, record->size <= left);
@@ -161,7 +134,7 @@ private:
       const auto written = record.number<std::uint64_t>();
       record.skip<std::uint64_t>(1);
       if (topic == topics_of_channels_.end())
-        ++undeclared_;
+        countUndeclared();
       else
         add({topic->second, kNanosecond * static_cast<double>(written), place, inner});
     }
@@ -186,21 +159,10 @@ private:
     }
     const std::uint64_t used = 8 + 8 + 8 + 4 + 4 + chunk.compression.size() + 8;
     if (whole && chunk.packed > size - used) throw BadMessage("has a chunk that is longer than its record");
-    if (chunk.unpacked > kLargestMessage)
-      throw IoError(path().string(),
-                    fmt::format("claims a chunk of {} bytes at byte {}, and {} at most are read; "
-                                "mcap compress writes smaller ones",
-                                chunk.unpacked, begin, kLargestMessage));
     chunk.begin = begin + used;
     chunk.packed = std::min(chunk.packed, size - used);
-    chunks_.push_back(chunk);
-    const auto unpacked = this->unpacked(chunks_.size() - 1);
-    const bool sound = unpacked->size() == chunk.unpacked &&
-                       (expected == 0 || expected == crc({unpacked->data(), unpacked->size()}));
-    if (whole && !sound)
-      ++damaged_;
-    else
-      readRecordsOf(*unpacked, chunks_.size() - 1);
+    const auto [index, records] = addChunk(chunk, whole, expected, "mcap compress");
+    if (records) readRecordsOf(*records, index);
   }
 
   /** \param index of the chunk */
@@ -231,41 +193,9 @@ private:
     if (sum != expected) addFault("its data do not match its checksum: some are damaged");
   }
 
-  /** Neighbouring messages are mostly in one chunk: the last few are kept, unless they are large. */
-  std::shared_ptr<const Bytes> unpacked(std::size_t index) const {
-    constexpr std::size_t kKept = 4, kKeptBytes = 1 << 25;
-    {
-      const std::lock_guard lock(mutex_);
-      for (const auto& [kept, bytes] : kept_)
-        if (kept == index) return bytes;
-    }
-    const ChunkPlace& chunk = chunks_.at(index);
-    if (chunk.packed > kLargestMessage) throw IoError(path().string(), "has a chunk that is too large");
-    Bytes packed(chunk.packed);
-    if (!readAt(chunk.begin, packed.data(), packed.size())) throw IoError(path().string(), "cannot be read");
-    auto bytes = std::make_shared<const Bytes>(
-        unpackedChunk({packed.data(), packed.size()}, chunk.compression, chunk.unpacked, path().string()));
-    const std::lock_guard lock(mutex_);
-    kept_.emplace_back(index, bytes);
-    std::size_t total = 0;
-    for (const auto& kept : kept_) total += kept.second->size();
-    while (kept_.size() > kKept || (kept_.size() > 1 && total > kKeptBytes)) {
-      total -= kept_.front().second->size();
-      kept_.erase(kept_.begin());
-    }
-    return bytes;
-  }
-
-  files::FilePtr file_;
-  std::uint64_t size_ = 0;
   bool has_unchunked_ = false;
   std::map<std::uint16_t, std::string> types_;
   std::map<std::uint16_t, std::size_t> topics_of_channels_;
-  std::vector<ChunkPlace> chunks_;
-  std::size_t undeclared_ = 0;  // messages
-  std::size_t damaged_ = 0;     // chunks
-  mutable std::mutex mutex_;    // guards the members below
-  mutable std::vector<std::pair<std::size_t, std::shared_ptr<const Bytes>>> kept_;
 };
 
 }  // namespace

@@ -167,7 +167,7 @@ bool isZstd(ByteView packed);
 Bytes unpackZstd(ByteView packed, std::uint64_t most, const std::string& name);
 
 /** \brief Unpacks up to `most` bytes: of a torn chunk, the bytes in front of the tear.
- * \param compression of an MCAP chunk: empty, zstd or lz4. Throws IoError for others. */
+ * \param compression of a chunk: empty, zstd, lz4 or bz2. Throws IoError for others. */
 Bytes unpackedChunk(ByteView packed, const std::string& compression, std::uint64_t most,
                     const std::string& name);
 

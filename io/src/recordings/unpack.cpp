@@ -5,6 +5,7 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
+#include <bzlib.h>
 #include <cstring>
 #include <fmt/format.h>
 #include <lz4frame.h>
@@ -71,6 +72,23 @@ bool lz4(ByteView packed, std::uint64_t most, Bytes& out) {
                 });
 }
 
+bool bz2(ByteView packed, std::uint64_t most, Bytes& out) {
+  bz_stream stream{};
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) throw std::bad_alloc();
+  const std::unique_ptr<bz_stream, int (*)(bz_stream*)> end(&stream, BZ2_bzDecompressEnd);
+  return unpack(
+      packed, most, out,
+      [&stream](std::uint8_t* to, std::size_t room, const std::uint8_t* from, std::size_t left) {
+        stream.next_out = reinterpret_cast<char*>(to);
+        stream.next_in = reinterpret_cast<char*>(const_cast<std::uint8_t*>(from));
+        stream.avail_out = static_cast<unsigned>(room);
+        stream.avail_in = static_cast<unsigned>(left);
+        const int state = BZ2_bzDecompress(&stream);
+        if (state != BZ_OK && state != BZ_STREAM_END) return Progress{0, 0, -1};
+        return Progress{room - stream.avail_out, left - stream.avail_in, state == BZ_STREAM_END ? 0 : 1};
+      });
+}
+
 }  // namespace
 
 bool isZstd(ByteView packed) {
@@ -93,8 +111,10 @@ Bytes unpackedChunk(ByteView packed, const std::string& compression, std::uint64
     zstd(packed, most, out);
   else if (compression == "lz4")
     lz4(packed, most, out);
+  else if (compression == "bz2")
+    bz2(packed, most, out);
   else
-    throw IoError(name, fmt::format("has chunks that are compressed by {}, not by lz4 or zstd",
+    throw IoError(name, fmt::format("has chunks that are compressed by {}, not by lz4, zstd or bz2",
                                     text::quoted(compression)));
   return out;
 }

@@ -51,7 +51,7 @@ struct RecordingHints {
  *
  * Accepted: a folder of depth images, which are in it, in its folder depth/, or in the only folder below it
  * that has depth in its name and depth images in it; a single image; an .oni recording; messages of ROS 1 and
- * ROS 2, .bag (if the build has rosbag_storage), .db3, .mcap or a folder of rosbag2; a .db of RTAB-Map, with
+ * ROS 2, .bag, .db3, .mcap or a folder of rosbag2; a .db of RTAB-Map, with
  * the poses of its graph; a text file (.txt, .lst, .csv) with one path per line, relative to the list, with
  * or without a time stamp before it, and with images of other kinds and poses beside it; # starts a comment
  * line. Images are 16-bit PNG, PGM and TIFF, PCL's PCLZF, NPY arrays (whole numbers by depth_scale, or
