@@ -39,8 +39,6 @@ Record recordOf(const std::uint8_t* head) {
   return record;
 }
 
-std::uint32_t crc(ByteView bytes) { return libdeflate_crc32(0, bytes.data, bytes.size); }
-
 class McapFile : public ChunkedFile {
 public:
   explicit McapFile(const fs::path& path) : ChunkedFile(path) {
