@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 #include <set>
 #include <sstream>
@@ -27,16 +28,21 @@ constexpr std::array<const char*, 6> kNames = {"min_probability", "alpha", "conf
                                                "images",          "sure",  "wrong"};
 constexpr std::string_view kFrom = " from ";
 
-[[noreturn]] void fail(const std::string& cause) {
-  throw std::invalid_argument("the threshold of sure answers in its meta data " + cause);
+constexpr std::array<const char*, 4> kErrorNames = {"pixels_as_one", "rotation_deg", "translation", "views"};
+constexpr const char* kThreshold = "the threshold of sure answers";
+constexpr const char* kErrors = "the shared errors";
+
+[[noreturn]] void fail(const std::string& of, const std::string& cause) {
+  throw std::invalid_argument(of + " in its meta data " + cause);
 }
 
+/** Reads "name=number". */
 template <class Number>
-Number value(std::string_view word, const char* name) {
+Number value(const char* of, std::string_view word, const char* name) {
   const std::string prefix = std::string(name) + "=";
   const auto number = word.substr(0, prefix.size()) == prefix ? text::to<Number>(word.substr(prefix.size()))
                                                               : std::optional<Number>();
-  if (!number) fail(fmt::format("has no {}", name));
+  if (!number) fail(of, fmt::format("has no {}", name));
   return *number;
 }
 
@@ -44,7 +50,13 @@ void requirePossible(const SureThreshold& t) {
   const auto isShare = [](double p) { return p > 0 && p < 1; };
   const bool possible = t.min_probability > 0 && t.min_probability <= 1 && isShare(t.alpha) &&
                         isShare(t.confidence) && t.wrong >= 0 && t.wrong <= t.sure && t.sure <= t.images;
-  if (!possible) fail("is impossible");
+  if (!possible) fail(kThreshold, "is impossible");
+}
+
+void requirePossible(const SharedErrors& e) {
+  const auto isSize = [](double x) { return x > 0 && std::isfinite(x); };
+  if (!isSize(e.pixels_as_one) || !isSize(e.rotation_std) || !isSize(e.translation_std) || e.views < 0)
+    fail(kErrors, "are impossible");
 }
 
 }  // namespace
@@ -99,17 +111,43 @@ std::optional<SureThreshold> sureThresholdOf(const Map& map) {
   const std::string_view all = *line;
   const auto end = all.find(kFrom);
   const auto words = text::words(all.substr(0, end));
-  if (end == std::string_view::npos || words.size() != kNames.size()) fail("is malformed");
+  if (end == std::string_view::npos || words.size() != kNames.size()) fail(kThreshold, "is malformed");
   SureThreshold t;
-  t.min_probability = value<double>(words[0], kNames[0]);
-  t.alpha = value<double>(words[1], kNames[1]);
-  t.confidence = value<double>(words[2], kNames[2]);
-  t.images = value<int>(words[3], kNames[3]);
-  t.sure = value<int>(words[4], kNames[4]);
-  t.wrong = value<int>(words[5], kNames[5]);
+  t.min_probability = value<double>(kThreshold, words[0], kNames[0]);
+  t.alpha = value<double>(kThreshold, words[1], kNames[1]);
+  t.confidence = value<double>(kThreshold, words[2], kNames[2]);
+  t.images = value<int>(kThreshold, words[3], kNames[3]);
+  t.sure = value<int>(kThreshold, words[4], kNames[4]);
+  t.wrong = value<int>(kThreshold, words[5], kNames[5]);
   t.source = all.substr(end + kFrom.size());
   requirePossible(t);
   return t;
+}
+
+std::string SharedErrors::toString() const {
+  return fmt::format("{:.2g} deg, {:.2g} mm, and {:.2g} pixels as one; {}", rotation_std / kDegree,
+                     1e3 * translation_std, pixels_as_one,
+                     views > 0 ? fmt::format("from {} of its views", views) : "as usual");
+}
+
+std::string toText(const SharedErrors& e) {
+  requirePossible(e);
+  return fmt::format("{}={:.4g} {}={:.4g} {}={:.4g} {}={}", kErrorNames[0], e.pixels_as_one, kErrorNames[1],
+                     e.rotation_std / kDegree, kErrorNames[2], e.translation_std, kErrorNames[3], e.views);
+}
+
+SharedErrors sharedErrorsOf(const Map& map) {
+  const std::string* line = metaOf(map, kSharedErrorsKey);
+  if (!line) return {};
+  const auto words = text::words(*line);
+  if (words.size() != kErrorNames.size()) fail(kErrors, "are malformed");
+  SharedErrors e;
+  e.pixels_as_one = value<double>(kErrors, words[0], kErrorNames[0]);
+  e.rotation_std = value<double>(kErrors, words[1], kErrorNames[1]) * kDegree;
+  e.translation_std = value<double>(kErrors, words[2], kErrorNames[2]);
+  e.views = value<int>(kErrors, words[3], kErrorNames[3]);
+  requirePossible(e);
+  return e;
 }
 
 double minProbabilityOf(const Map& map) {

@@ -116,9 +116,11 @@ DepthCalibration refinedErrors(const Calibration& calibration) {
   return depth;
 }
 
-HypothesisRanking::HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces)
+HypothesisRanking::HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces,
+                                     const SharedErrors& errors)
     : params_(params),
       surfaces_(surfaces),
+      errors_(errors),
       comparison_(params.calibration.depth),
       refined_comparison_(refinedErrors(params.calibration)) {}
 
@@ -170,12 +172,7 @@ void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>&
   Matrix6d of_pixels;
   if (!refineByDepth(scene.depth, pictures, {}, pose, &of_pixels)) return;
   if (!kSamePlace.joins(*h.T_w_c, pose.T)) return;  // that is no refinement: planes found another place
-  // All pixels share the systematic error of a sensor: until it is removed, they have no more information
-  // than the planes, whose covariance counts with it.
-  if (scene.camera && scene.camera->distortion) {
-    const Matrix6d of_planes = pose.P.ldlt().solve(Matrix6d::Identity());
-    pose.P = symmetricInverse(of_planes + of_pixels / params_.calibration.refined_depth.pixels_as_one);
-  }
+  pose.P = symmetricInverse(symmetricInverse(pose.P) + of_pixels / errors_.pixels_as_one);
   h.T_w_c = pose.T;
   h.T_m_c = T_w_m.inverse() * pose;
 }
@@ -249,21 +246,27 @@ void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>&
   score(hypotheses);
 }
 
+Matrix6d HypothesisRanking::shownCovariance(const View& scene, const PoseWithCovariance& prior,
+                                            const Hypothesis& h) const {
+  const std::vector<NearbyView> models = neighbours(h);
+  std::vector<PosedPicture> pictures;
+  for (const NearbyView& m : models) pictures.push_back({&m.view->depth, m.T_w_m});
+  const Eigen::Isometry3d T_w_m = poseOfModel(h);
+  const PoseWithCovariance shown = asShown(T_w_m * h.T_m_c, T_w_m * prior,
+                                           {scene.depth, std::move(pictures), comparison_}, kCoarseColumns);
+  return (T_w_m.inverse() * shown).P;
+}
+
 void HypothesisRanking::stateAsShown(const View& scene,
                                      const std::function<PoseWithCovariance(int model)>& prior_of,
                                      std::vector<Hypothesis>& hypotheses) const {
-  if (scene.depth.empty() || !params_.evidence.enabled || !params_.refinement.enabled) return;
   constexpr double kPossible = 0.01;  // probability
+  const bool by_pixels = !scene.depth.empty() && params_.evidence.enabled && params_.refinement.enabled;
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     Hypothesis& h = hypotheses[i];
-    if (!h.T_w_c || (i > 0 && h.probability < kPossible)) continue;
-    const std::vector<NearbyView> models = neighbours(h);
-    std::vector<PosedPicture> pictures;
-    for (const NearbyView& m : models) pictures.push_back({&m.view->depth, m.T_w_m});
-    const Eigen::Isometry3d T_w_m = poseOfModel(h);
-    const PoseWithCovariance shown = asShown(T_w_m * h.T_m_c, T_w_m * prior_of(h.model),
-                                             {scene.depth, std::move(pictures), comparison_}, kCoarseColumns);
-    h.T_m_c.P = (T_w_m.inverse() * shown).P;
+    if (by_pixels && h.T_w_c && (i == 0 || h.probability >= kPossible))
+      h.T_m_c.P = shownCovariance(scene, prior_of(h.model), h);
+    h.T_m_c.P = withSharedErrors(h.T_m_c.P, errors_.rotation_std, errors_.translation_std);
   }
 }
 

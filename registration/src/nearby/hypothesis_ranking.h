@@ -111,7 +111,8 @@ public:
   void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses, PixelVerdicts& known) const;
 
   /** \brief Gives the first place and all that are possible, which stay where they are, the covariance that
-   * the cost shows (METHOD 11.4). \param prior T_m_c that the hypotheses were found with, positive definite
+   * the cost shows (METHOD 11.4), and all places the errors that no pixel shows. \param prior T_m_c that the
+   * hypotheses were found with, positive definite
    */
   void stateAsShown(const View& scene, const PoseWithCovariance& prior,
                     std::vector<Hypothesis>& hypotheses) const {
@@ -123,8 +124,10 @@ public:
                     std::vector<Hypothesis>& hypotheses) const;
 
 protected:
-  /** \param surfaces the kind of surfaces in views near a hypothesis (localization/METHOD 1.7) */
-  explicit HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces = MapSurfaces::seen);
+  /** \param surfaces the kind of surfaces in views near a hypothesis (localization/METHOD 1.7)
+   * \param errors of poses among these views, which no pixel shows */
+  explicit HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces = MapSurfaces::seen,
+                             const SharedErrors& errors = {});
 
   /** \brief The views near a hypothesis that has T_w_c. */
   virtual std::vector<NearbyView> neighbours(const Hypothesis& h) const = 0;
@@ -150,12 +153,14 @@ protected:
 
 private:
   void refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const;
+  Matrix6d shownCovariance(const View& scene, const PoseWithCovariance& prior, const Hypothesis& h) const;
   PixelVerdict verdict(const View& scene, Hypothesis h, bool refined) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 
   RegistrationParams params_;
   MapSurfaces surfaces_;
+  SharedErrors errors_;
   DepthComparison comparison_, refined_comparison_;
 };
 

@@ -30,9 +30,9 @@ Matrix6d temper(const Matrix6d& prior, const Matrix6d& posterior, double part) {
   return symmetricInverse(before + part * (after - before));
 }
 
-Matrix6d withSharedErrors(Matrix6d P) {
-  P.diagonal().head<3>().array() += kSharedRotation * kSharedRotation;
-  P.diagonal().tail<3>().array() += kSharedTranslation * kSharedTranslation;
+Matrix6d withSharedErrors(Matrix6d P, double rotation_std, double translation_std) {
+  P.diagonal().head<3>().array() += rotation_std * rotation_std;
+  P.diagonal().tail<3>().array() += translation_std * translation_std;
   return P;
 }
 

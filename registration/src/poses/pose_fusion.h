@@ -45,7 +45,8 @@ Matrix6d temper(const Matrix6d& prior, const Matrix6d& posterior, double part);
 
 /** \brief Errors that any two views share, due to the space between them: standard deviations [rad, m]. */
 constexpr double kSharedRotation = 0.05 * kDegree, kSharedTranslation = 0.003;
-/** \brief With these added. */
-Matrix6d withSharedErrors(Matrix6d P);
+/** \brief With these, or others, added. */
+Matrix6d withSharedErrors(Matrix6d P, double rotation_std = kSharedRotation,
+                          double translation_std = kSharedTranslation);
 
 }  // namespace facetloc::internal

@@ -95,7 +95,6 @@ struct RefinedDepthCalibration {
   static constexpr const char* kTitle = "Comparison of depth pictures at a refined pose";
   double absolute_error = 1.6;
   double relative_error = 0.003;
-  double pixels_as_one = 50;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
@@ -104,8 +103,6 @@ struct RefinedDepthCalibration {
           "standard deviations].");
     visit("relative_error", p.relative_error, 0.0, 1.0,
           "Error of a predicted inverse depth at a refined pose that grows with it, as a share of it.");
-    visit("pixels_as_one", p.pixels_as_one, 1.0, 1e9,
-          "Number of correlated pixels that count as one independent measurement.");
   }
 };
 

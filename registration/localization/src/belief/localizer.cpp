@@ -44,6 +44,7 @@ struct Localizer::Impl {
       : map(the_map),
         params(checked(the_params)),
         localization_params(the_localization),
+        errors(sharedErrorsOf(*the_map)),
         min_probability(minProbabilityOf(*the_map)),
         localization(the_map, the_localization),
         belief(the_map, the_localization, params),
@@ -94,6 +95,7 @@ struct Localizer::Impl {
   LocalizerParams params;
   GlobalLocalizationParams localization_params;
   int threads = 1;
+  SharedErrors errors;
   double min_probability;
   GlobalLocalization localization;
   PlaceBelief belief;
@@ -269,7 +271,7 @@ void Localizer::Impl::lookAround(Step& step) {
   belief.observe(step.view, &found);
 }
 
-// The places of a belief, most probable first.
+// The places of a belief, most probable first, each with the errors that no number of views averages out.
 void Localizer::Impl::list(const PlaceBelief& of, Localization& out) const {
   double left = 1;
   for (const BelievedPlace& place : of.places()) {
@@ -277,6 +279,7 @@ void Localizer::Impl::list(const PlaceBelief& of, Localization& out) const {
     h.part = place.part;
     h.T_w_c = place.T_w_c.T;
     h.T_m_c = localization.map().models[h.model].T_w_m->inverse() * place.T_w_c;
+    h.T_m_c.P = withSharedErrors(h.T_m_c.P, errors.rotation_std, errors.translation_std);
     h.probability = place.probability;
     left -= place.probability;
     out.hypotheses.push_back(std::move(h));

@@ -225,6 +225,7 @@ public:
     if (changes_.any()) {
       map_.ambiguity.reset();
       map_.meta.erase(kSureKey);
+      if (sharedErrorsOf(map_).views > 0) map_.meta.erase(kSharedErrorsKey);
       // Objects in an image need not stay.
       if (surfacesOf(map_) == MapSurfaces::fixed) setSurfaces(MapSurfaces::seen, map_);
     }
