@@ -353,8 +353,11 @@ bool PoseLimits::hold(const Matrix6d& P) const {
 }
 
 std::string PoseLimits::whyNotFixed(const Matrix6d& P, const Eigen::Matrix3d& R) const {
-  return "nothing in view fixes " +
-         freeMotions(principalStd(P), max_rotation_deg * kDegree / kBound, max_translation / kBound, R);
+  return "nothing in view fixes " + openMotions(principalStd(P), R);
+}
+
+std::string PoseLimits::openMotions(const PrincipalStd& known, const Eigen::Matrix3d& R) const {
+  return freeMotions(known, max_rotation_deg * kDegree / kBound, max_translation / kBound, R);
 }
 
 }  // namespace facetloc

@@ -169,6 +169,8 @@ struct PoseLimits {
   /** \brief "nothing in view fixes translation along (1.00, 0.00, 0.00)", of a pose that is not within them.
    * \param R turns axes of the frame of P into those of the words */
   std::string whyNotFixed(const Matrix6d& P, const Eigen::Matrix3d& R) const;
+  /** \brief freeMotions() beyond the limits. */
+  std::string openMotions(const PrincipalStd& known, const Eigen::Matrix3d& R) const;
 
   template <class Self, class Visitor>
   static void describe(Self& p, Visitor&& visit) {
