@@ -29,6 +29,13 @@ NearbyModels::NearbyModels(std::shared_ptr<const Map> map, bool with_picture) : 
   });
 }
 
+NearbyModels NearbyModels::without(const std::function<bool(int)>& absent) const {
+  NearbyModels rest = *this;
+  const auto isAbsent = [&](const Place& place) { return absent(place.model); };
+  rest.places_.erase(std::remove_if(rest.places_.begin(), rest.places_.end(), isAbsent), rest.places_.end());
+  return rest;
+}
+
 // Places less than a distance from another of their part, if any is: by a window in x.
 template <class Visitor>
 void NearbyModels::forEachWithin(int part, const Eigen::Vector3d& place, double distance,

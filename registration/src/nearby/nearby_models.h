@@ -5,6 +5,7 @@
 
 #include <facetloc/features/local_model.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,8 @@ public:
   /** \param with_picture models without a depth picture are left out */
   explicit NearbyModels(std::shared_ptr<const Map> map, bool with_picture = false);
   bool empty() const { return places_.empty(); }
+  /** \brief All but the absent ones. */
+  NearbyModels without(const std::function<bool(int model)>& absent) const;
 
   /** \brief The at most n nearest of a part of the map by viewDistance() within reach, nearest first; ties by
    * index. */

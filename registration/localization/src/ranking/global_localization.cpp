@@ -77,6 +77,7 @@ struct GlobalLocalization::Impl {
   PoseWithCovariance on_floor, anywhere;  // priors of a camera mounted as the map's, and of any other
   Matrix6d of_floor = Matrix6d::Zero();   // information of the floor about a pose
   int threads = 1;
+  std::function<bool(int)> absent;  // local models of the map that count as missing; may be empty
 };
 
 GlobalLocalization::Impl::Impl(std::shared_ptr<const Map> the_map, const GlobalLocalizationParams& the_params)
@@ -180,6 +181,8 @@ bool GlobalLocalization::Impl::isSure(const Localization& answer) const {
 
 GlobalLocalization::GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
     : impl_(std::make_unique<Impl>(std::move(map), params)) {}
+GlobalLocalization::GlobalLocalization(const GlobalLocalization& other)
+    : impl_(std::make_unique<Impl>(*other.impl_)) {}
 GlobalLocalization::GlobalLocalization(GlobalLocalization&&) noexcept = default;
 GlobalLocalization& GlobalLocalization::operator=(GlobalLocalization&&) noexcept = default;
 GlobalLocalization::~GlobalLocalization() = default;
@@ -187,15 +190,22 @@ GlobalLocalization::~GlobalLocalization() = default;
 const Map& GlobalLocalization::map() const { return *impl_->map; }
 void GlobalLocalization::setNumberOfThreads(int n) { impl_->threads = n; }
 
+GlobalLocalization GlobalLocalization::without(std::function<bool(int)> absent) const {
+  GlobalLocalization rest(*this);
+  rest.impl_->ranking.leaveOut(absent);
+  rest.impl_->absent = std::move(absent);
+  return rest;
+}
+
 Localization GlobalLocalization::localize(const View& view) const {
-  Localization answer = localize(view, std::function<bool(int)>());
+  Localization answer = localize(view, impl_->absent);
   PoseWithCovariance about = prior(view);
   if (!impl_->isLevelIn(view) && impl_->mayBeTurned(answer)) {
     const bool shows_floor = showsFloor(view, Eigen::Isometry3d::Identity());
     for (int quarter = 1; quarter < 4; ++quarter) {
       const PoseWithCovariance turned{quarterTurns(quarter), impl_->anywhere.P};
       if (shows_floor && !showsFloor(view, turned.T)) continue;
-      Localization otherwise = impl_->localize(Query(view, turned), answer.camera, {});
+      Localization otherwise = impl_->localize(Query(view, turned), answer.camera, impl_->absent);
       const bool is_better = otherwise.state == AnswerState::sure &&
                              (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
                                                                answer.hypotheses.front().score + kMuchBetter);

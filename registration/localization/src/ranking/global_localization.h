@@ -51,13 +51,17 @@ public:
 
   /** \brief Localizes without the excluded local models. For callers that weigh the answers further:
    * covariances are by the derivatives of planes and pixels alone, not by the shape of the cost
-   * (registration/METHOD 11.4). */
+   * (registration/METHOD 11.4). Excluded ones still give evidence of the places that others find. */
   Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
+  /** \brief Its localize(view) answers as in the map without the absent local models, which neither find a
+   * place nor give evidence of one. Large data are shared. */
+  GlobalLocalization without(std::function<bool(int model)> absent) const;
 
   /** \brief Prior of the pose of a view relative to each local model, from the mounting of its camera. */
   PoseWithCovariance prior(const View& view) const;
 
 private:
+  GlobalLocalization(const GlobalLocalization& other);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -8,6 +8,7 @@
 #include <facetloc/features/local_model.h>
 #include <facetloc/localization/localization_params.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -18,6 +19,9 @@ namespace facetloc::internal {
 class PlaceRanking : public HypothesisRanking {
 public:
   PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params);
+
+  /** \brief Takes the evidence of these local models away from all places. */
+  void leaveOut(const std::function<bool(int model)>& absent) { near_ = near_.without(absent); }
 
   /** \brief A place that is known from elsewhere, aligned with the local models around it and scored as if a
    * search had found it there. Nothing if there are none, for then the map says nothing.
