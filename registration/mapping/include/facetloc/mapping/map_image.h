@@ -38,7 +38,8 @@ struct MapProgress {
     viewpoints,  ///< a surface is looked at from where a camera can be
     models,      ///< images become local models
     place,       ///< keyframes are localized in a map
-    ambiguity    ///< views of a map are localized in its other places
+    ambiguity,   ///< views of a map are localized in its other places
+    own_views    ///< own images of a map are localized in it without themselves
   };
   Stage stage;
   std::size_t done = 0, total = 0;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <facetloc/features/answer_state.h>
 #include <facetloc/features/local_model.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/sure_calibration.h>
 #include <facetloc/mapping/map_builder.h>
@@ -151,10 +153,34 @@ std::vector<MapAlignment> alignMaps(std::vector<Map>& maps, int threads = 1,
  * std::invalid_argument if names of local models still collide. */
 Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& names);
 
-/** \brief Localizes the view of each local model that has a pose in the map without that model, those
- * within 0.35 m and 10 deg of it and all that densify() has rendered, and adds the answers to a calibration:
- * for maps without another recording. \param threads 0 = all cores. Throws the exceptions of reading the map
- * and of the callback. */
+/** \brief The answer for an image of a map in the map without that image. */
+struct OwnView {
+  int model = 0;  ///< index of its local model
+  AnswerState state = AnswerState::unknown;
+  double probability = 0;           ///< probability of the first place; 0 without one
+  bool right = false;               ///< the first place is the image's own
+  std::optional<double> nees;       ///< squaredMahalanobis() of a right first pose from the stored one
+  std::optional<int> mistaken_for;  ///< index of the local model that found a wrong first place
+  std::optional<double> distance;   ///< distance of that place [m]; empty in another part of the map
+  std::string free_motions{};       ///< PoseLimits::openMotions(), in rounded axes of its part (METHOD 1.8)
+  std::string reason{};             ///< reason of an answer that is not sure; may be empty
+
+  bool isSureAndRight() const { return right && state == AnswerState::sure; }
+  bool isAlias() const { return mistaken_for && probability >= 0.5; }  ///< probably another place
+  /** \brief The stored pose is in the 95 % ellipsoid of a right first pose. */
+  bool isInside() const { return nees && *nees <= chiSquareQuantile(6, 0.95); }
+  /** \brief "sure" of its own place, "right" but not sure, "wrong", or "unknown" by its state. */
+  const char* verdict() const;
+};
+
+/** \brief Localizes the image of each local model that has a pose in the map without that model, those within
+ * 0.35 m and 10 deg of it and all that densify() has rendered, which are not asked (METHOD 1.8).
+ * \param threads 0 = all cores. Throws the exceptions of reading the map, minProbabilityOf() and the
+ * callback. \return answers in the order of the local models */
+std::vector<OwnView> localizeOwnViews(const std::shared_ptr<const Map>& map, const RightPose& is_right = {},
+                                      const GlobalLocalizationParams& params = {}, int threads = 1,
+                                      const MapProgressCallback& progress = {});
+/** \brief Adds these answers to a calibration, for maps without another recording. */
 void addOwnViews(const std::shared_ptr<const Map>& map, SureCalibration& calibration,
                  const RightPose& is_right = {}, const GlobalLocalizationParams& params = {}, int threads = 1,
                  const MapProgressCallback& progress = {});
