@@ -103,6 +103,44 @@ TEST_F(Tools, MapInfoListsThePartsOfATopologicalMap) {
               HasAll(models + ", in 2 parts\n", bare.models[0].name, "1 local model\n"));
 }
 
+TEST_F(Tools, MapInfoLocalizesItsOwnImages) {
+  const ToolRun run = ok(runMap({"info", map(), "--self", "--threads", "2"}));
+  EXPECT_THAT(run.out, HasAll("own images, each without itself", "rank 1 right", "inside 95 %", "aliases",
+                              "\nthe world ", "\nall "));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("map: " + map()));
+  EXPECT_EQ(run.out, ok(runMap({"info", map(), "--self", "--threads", "1"})).out);
+  EXPECT_THAT(ok(runMap({"info", map()})).out, Not(HasSubstr("own images")));
+
+  Map parts = readMap(map());
+  for (LocalModel& model : parts.models) model.T_w_m.reset();
+  parts.links.erase(parts.links.begin());
+  writeMap(folder_ / "parts.flmap", parts);
+  EXPECT_THAT(ok(runMap({"info", folder_ / "parts.flmap", "--self"})).out,
+              HasAll("\n" + parts.models[0].name + " ", "\n" + parts.models[1].name + " ", "\nall "));
+}
+
+/** A map of few images gets no advice; one whose images show nothing in common is to be recorded anew. */
+TEST_F(Tools, MapInfoAdvisesWhereToRecordMore) {
+  const Map whole = readMap(map());
+  Map lonely = whole;
+  lonely.links.clear();
+  lonely.models.clear();
+  for (int i = 0; i < 10; ++i) {
+    LocalModel model = whole.models[0];
+    model.name = "image" + std::to_string(i);
+    model.T_w_m = Eigen::Translation3d(i < 9 ? 50 : 90, 0.01 * i, 0) * *model.T_w_m;  // 9 within 0.35 m
+    lonely.models.push_back(model);
+  }
+  const std::string path = folder_ / "lonely.flmap";
+  writeMap(path, lonely);
+  EXPECT_THAT(
+      runMap({"info", path, "--self"}).out,
+      HasAll("record more around image image0 at (", "9 of 9 images within 2 m are not sure and right"));
+  lonely.models.pop_back();
+  writeMap(path, lonely);
+  EXPECT_THAT(runMap({"info", path, "--self"}).out, Not(HasSubstr("record more")));
+}
+
 TEST_F(Tools, MapCommandsAreKnown) {
   EXPECT_EQ(runMap({}).code, kUsage);
   EXPECT_EQ(runMap({"biuld"}).code, kUsage);

@@ -22,6 +22,8 @@
 #include <cmath>
 #include <cstdint>
 #include <fmt/core.h>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <sstream>
 
@@ -144,6 +146,78 @@ void printSummary(std::ostream& out, const Map& map) {
   out << table;
 }
 
+using Views = std::vector<OwnView>;
+
+template <class Chosen>
+Views only(const Views& views, const Chosen& chosen) {
+  Views some;
+  std::copy_if(views.begin(), views.end(), std::back_inserter(some), chosen);
+  return some;
+}
+
+/** The most frequent free motions of one part of a map; empty without any. */
+std::string weakDirection(const Views& views) {
+  std::map<std::string, int> counts;
+  for (const OwnView& view : views)
+    if (!view.free_motions.empty()) ++counts[view.free_motions];
+  const auto most = std::max_element(counts.begin(), counts.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == counts.end() ? "" : fmt::format("{} leave free {}", most->second, most->first);
+}
+
+void addRow(const std::string& name, const Views& views, const std::string& weak, TextTable& table) {
+  const auto number = [&](const auto& chosen) { return std::to_string(only(views, chosen).size()); };
+  table.add({name, std::to_string(views.size()), number([](const OwnView& v) { return v.right; }),
+             number([](const OwnView& v) { return v.state == AnswerState::sure; }),
+             number([](const OwnView& v) { return v.isSureAndRight(); }),
+             number([](const OwnView& v) { return v.isInside(); }),
+             number([](const OwnView& v) { return v.isAlias(); }), weak});
+}
+
+/** Names the region with most images that are not sure and right, weighed by their share of its images. */
+std::string adviceOn(const Map& map, const Views& views) {
+  constexpr double kRadius = 2;  // [m]
+  const auto fails = [](const OwnView& view) { return !view.isSureAndRight(); };
+  double most = 0;
+  std::string advice = "every image is sure and right without itself";
+  for (const OwnView& centre : only(views, fails)) {
+    const LocalModel& model = map.models[centre.model];
+    const Eigen::Vector3d at = model.T_w_m->translation();
+    const Views region = only(views, [&](const OwnView& view) {
+      const LocalModel& other = map.models[view.model];
+      return other.part == model.part && (other.T_w_m->translation() - at).norm() <= kRadius;
+    });
+    const std::size_t failed = only(region, fails).size();
+    const double weight = static_cast<double>(failed * failed) / static_cast<double>(region.size());
+    if (weight <= most) continue;
+    most = weight;
+    advice = fmt::format(
+        "record more around image {} at ({:.2f}, {:.2f}, {:.2f}) in {}: {} of {} within {:.0f} m are not "
+        "sure and right",
+        model.name, at.x(), at.y(), at.z(), partName(map.partOf(centre.model)), failed,
+        counted(region.size(), "image"), kRadius);
+    if (const std::string weak = weakDirection(region); !weak.empty()) advice += "; " + weak;
+  }
+  return advice;
+}
+
+/** The map's own images, each localized without itself, by its parts and in all, and where more of them are
+ * needed most. */
+void printOwnViews(std::ostream& out, const Map& map, const Views& views) {
+  constexpr std::size_t kEnough = 10;  // images that advice takes
+  TextTable table({"own images, each without itself", "images", "rank 1 right", "sure", "sure and right",
+                   "inside 95 %", "aliases", "weak directions"});
+  table.setWordsLast();
+  const int parts = std::max(1, static_cast<int>(map.parts.size()));
+  for (int part = 0; part < parts; ++part) {
+    const Views here = only(views, [&](const OwnView& v) { return map.models[v.model].part == part; });
+    if (!here.empty()) addRow(partName(map.partOf(here.front().model)), here, weakDirection(here), table);
+  }
+  addRow("all", views, "", table);
+  out << table;
+  if (views.size() >= kEnough) out << adviceOn(map, views) << "\n";
+}
+
 /** Values of several lines, such as parameters, are indented below their key, or only counted. */
 void printMeta(std::ostream& out, const Map& map, bool all) {
   for (const auto& [key, value] : map.meta) {
@@ -208,28 +282,38 @@ std::vector<ColouredPolygon> polygonsOf(const Map& map, const std::string& path)
 class MapInfoApp : public App {
 public:
   MapInfoApp()
-      : App("facetloc_map info", "MAP.flmap",
-            "Prints the content of a map and how it was made, on one screen.") {}
+      : App("facetloc_map info", "MAP.flmap [--self]",
+            "Prints the content of a map and how it was made, on one screen. With --self, it also localizes "
+            "each image of the map in the map without that image, which shows where answers will fail.") {}
 
 private:
   void addOptions(CommandLine& line) override {
     line.addArgument("MAP.flmap", map_);
     line.addSwitch("all", all_, "Also print the parameters it was made with.");
+    line.addSwitch("self", self_,
+                   "Localize the map's own images without themselves, and print how many are right and sure "
+                   "in each part of the map.");
     line.addExample("office.flmap", "on one screen");
-    line.addExample("office.flmap --all", "with its parameters");
+    line.addExample("office.flmap --self", "where it fails, and where to record more");
   }
 
   int execute(const CommandLine&, const Console& console) override {
-    const Map map = openMap(map_);
-    printSummary(console.out, map);
+    const auto map = std::make_shared<const Map>(openMap(map_));
+    printSummary(console.out, *map);
     console.out << "\n";
-    printMeta(console.out, map, all_);
+    printMeta(console.out, *map, all_);
+    if (self_) {
+      MapWatch watch(console);
+      const std::vector<OwnView> views = localizeOwnViews(map, {}, {}, threads(), watch.callback());
+      console.out << "\n";
+      printOwnViews(console.out, *map, views);
+    }
     console.out << "\nmap: " << map_ << ", " << fs::file_size(map_) / 1024 << " KiB\n";
     return kOk;
   }
 
   std::string map_;
-  bool all_ = false;
+  bool all_ = false, self_ = false;
 };
 
 /** facetloc_map check: proves a map sound, or lists its faults. */
