@@ -7,6 +7,8 @@
   const dark = window.matchMedia && window.matchMedia('(prefers-color-scheme: dark)').matches;
   const COLOURS = {sure: '#009e73', doubtful: '#e69f00', wrong: '#d62728', unknown: '#8a8f99', truth: '#1f77b4', model: '#4c6a92', link: '#b88a2c'};
   const SEGMENT_COLOURS = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#f0e442', '#6a5acd', '#999933', '#aa4488', '#44aa99', '#ddcc77'];
+  const OWN_COLOURS = {sure: COLOURS.sure, right: COLOURS.doubtful, wrong: COLOURS.wrong, unknown: COLOURS.unknown};  // own images
+  const OWN_WORDS = {sure: 'sure', right: 'right, not sure', wrong: 'wrong', unknown: 'unknown'};
   const ELLIPSOID = 2.7955;  // square root of the 95 % quantile of chi-square with 3 degrees of freedom
 
   // ---- what the data holds ----
@@ -194,7 +196,9 @@
   surface.add(surfaces);
   if (segments.length < 20000) surface.add(outlineLines());
   addLayer('segments', 'segments', surface, true);
-  addLayer('models', 'local models', camerasOf(models.map((m) => ({pose: m.pose, colour: COLOURS.model, size: glyph}))), answers.length === 0, [COLOURS.model]);
+  const colourOf = (model) => model.own ? OWN_COLOURS[model.own.verdict] : COLOURS.model;
+  const asked = models.some((m) => m.own);
+  addLayer('models', 'local models', camerasOf(models.map((m) => ({pose: m.pose, colour: colourOf(m), size: glyph}))), answers.length === 0, asked ? [] : [COLOURS.model]);
   if (data.links.length) {
     const points = [];
     for (const [a, b] of data.links) points.push(placeOf(models[a].pose), placeOf(models[b].pose));
@@ -288,10 +292,10 @@
       if (value instanceof Node) cell.append(value); else cell.textContent = value;
     }
   }
-  function badge(verdict) {
-    const e = element('span', verdict === 'wrong' ? 'sure, and wrong' : verdict);
+  function badge(words, colour) {
+    const e = element('span', words);
     e.className = 'badge';
-    e.style.background = COLOURS[verdict];
+    e.style.background = colour;
     return e;
   }
 
@@ -368,20 +372,27 @@
   function halo(place, radius, colour) { return ellipsoid(place, ball(radius), colour, 0.35); }
 
   function showModel(m, segment) {
-    const model = models[m];
+    const model = models[m], own = model.own;
     const card = openCard('Local model ' + model.name);
-    rows(card, [
+    const lines = [
       ['position', position(model.pose)], ['segments', String(model.n)],
       ['links', String(data.links.filter(([a, b]) => a === m || b === m).length)],
       ['pose', model.by_links ? 'from its links' : 'given'],
       ['segment', segment ? (segment.index + 1) + ', ' + areaOf(segment.corners).toFixed(2) + ' m\u00b2' : undefined]
-    ]);
+    ];
+    if (own) lines.push(
+      ['in the map without it', badge(OWN_WORDS[own.verdict], OWN_COLOURS[own.verdict])], ['probability', own.p.toFixed(3)],
+      ['95 % ellipsoid', own.inside === undefined ? undefined : own.inside ? 'holds its pose' : 'misses its pose'],
+      ['taken for', own.taken_for >= 0 ? linkTo(own.taken_for) : own.taken_for === undefined ? undefined : 'a local model that is not shown'],
+      ['distance', own.off === undefined ? undefined : metres(own.off)],
+      ['reason', own.reason || undefined]);
+    rows(card, lines);
     const pair = element('div', undefined, card);
     pair.className = 'pair';
     const outlines = model.segments.map((s, i) => ({
       points: outlineIn(model, i), colour: s.colour ? '#' + s.colour.getHexString() : '#888', words: segment && segment.index === i ? String(i + 1) : ''}));
     figureOf(pair, 'depth of the local model, its segments by direction', model.image, outlines);
-    mark([camerasOf([{pose: model.pose, colour: COLOURS.model, size: 1.6 * glyph}]), halo(placeOf(model.pose), 0.8 * glyph, COLOURS.model)]);
+    mark([camerasOf([{pose: model.pose, colour: colourOf(model), size: 1.6 * glyph}]), halo(placeOf(model.pose), 0.8 * glyph, colourOf(model))]);
   }
   function areaOf(hull) {
     const sum = new THREE.Vector3();
@@ -395,7 +406,7 @@
     const card = openCard('Image ' + answer.name);
     const others = answer.places.length - 1;
     rows(card, [
-      ['answer', badge(verdict)], ['probability', best && best.p.toFixed(3)], ['position', best && position(best.pose)],
+      ['answer', badge(verdict === 'wrong' ? 'sure, and wrong' : verdict, COLOURS[verdict])], ['probability', best && best.p.toFixed(3)], ['position', best && position(best.pose)],
       ['standard deviation', best && metres(best.sd_m) + ', ' + best.sd_deg.toFixed(2) + '\u00b0'],
       ['from the truth', answer.error && metres(answer.error[0]) + ', ' + answer.error[1].toFixed(2) + '\u00b0' + (answer.relative ? ' (in its local model)' : '')],
       ['local model', best && best.model >= 0 ? linkTo(best.model) : undefined],
@@ -511,18 +522,25 @@
     for (const words of data.findings) element('p', words, findings);
     byId('layers').before(findings);
   }
-  if (answers.length) {
+  function legend(id, entries) {  // [[colour, number, words]]
     const line = element('p');
-    line.id = 'verdicts';
+    line.id = id;
     line.style.margin = '0 0 4px';
-    for (const verdict of ['sure', 'wrong', 'doubtful', 'unknown']) {
-      if (!counts[verdict]) continue;
+    for (const [colour, n, words] of entries) {
+      if (!n) continue;
       const key = element('span', undefined, line);
       key.className = 'key';
-      key.style.background = COLOURS[verdict];
-      line.append(counts[verdict] + ' ' + (verdict === 'wrong' ? 'sure and wrong' : verdict) + '\u2003');
+      key.style.background = colour;
+      line.append(n + ' ' + words + '\u2003');
     }
     byId('layers').before(line);
+    return line;
+  }
+  if (answers.length)
+    legend('verdicts', ['sure', 'wrong', 'doubtful', 'unknown'].map((v) => [COLOURS[v], counts[v], v === 'wrong' ? 'sure and wrong' : v]));
+  if (asked) {
+    const entries = Object.keys(OWN_WORDS).map((v) => [OWN_COLOURS[v], models.filter((m) => m.own && m.own.verdict === v).length, OWN_WORDS[v]]);
+    legend('own', [...entries, [COLOURS.model, models.filter((m) => !m.own).length, 'not asked']]).prepend('own images without themselves: ');
   }
   window.addEventListener('resize', resize);
   fit();

@@ -46,6 +46,23 @@ MapPage examplePage(const Map& map) {
   return page;
 }
 
+/** A page of a map that was asked about itself: its first image is sure, and the second is taken for it. */
+MapPage pageOfOwnViews() {
+  MapPage page;
+  page.title = "A map";
+  page.own_views.resize(2);
+  page.own_views[0].state = AnswerState::sure;
+  page.own_views[0].right = true;
+  page.own_views[0].probability = 0.97;
+  page.own_views[0].nees = 4;
+  page.own_views[1].model = 1;
+  page.own_views[1].state = AnswerState::doubtful;
+  page.own_views[1].probability = 0.7;
+  page.own_views[1].mistaken_for = 0;
+  page.own_views[1].distance = 0.64;
+  return page;
+}
+
 /** The page with a script of a visitor at its end; press() clicks on the scene at (x, y) pixels. */
 std::string visited(const std::string& page, const std::string& script) {
   const std::string html = contentOf(page), end = "</body>", path = page + ".visited.html";
@@ -90,6 +107,24 @@ TEST(MapPageData, HasFindings) {
   page.findings = {{"localize.scale", Severity::doubt, "too far", "look at depth_scale"}};
   EXPECT_EQ(mapPageData(map, page, "page.html")["findings"][0].asString(),
             "doubt: too far; look at depth_scale");
+}
+
+TEST(MapPageData, HasOwnViews) {
+  const Map map = ExampleScene().map();
+  const Json::Value models = mapPageData(map, pageOfOwnViews(), "page.html")["models"];
+  EXPECT_EQ(models[0]["own"]["verdict"].asString(), "sure");
+  EXPECT_TRUE(models[0]["own"]["inside"].asBool());
+  EXPECT_FALSE(models[0]["own"].isMember("taken_for"));
+  EXPECT_EQ(models[1]["own"]["verdict"].asString(), "wrong");
+  EXPECT_EQ(models[1]["own"]["taken_for"].asInt(), 0);
+  EXPECT_FALSE(models[2].isMember("own"));
+}
+
+TEST_F(MapInBrowser, OwnViewsColourTheLocalModels) {
+  writeMapPage(path_, map_, pageOfOwnViews());
+  const std::string found = elements("press(facetloc.modelOnScreen(1));");
+  EXPECT_THAT(found, HasAll("own images without themselves", "1 sure", "1 wrong", "1 not asked",
+                            "<h2>Local model left</h2>", "in the map without it", "0.700", "0.64 m"));
 }
 
 TEST_F(MapInBrowser, DrawsEverything) {

@@ -75,6 +75,8 @@ TEST_F(Tools, RenderWritesPagesForBrowsers) {
     GTEST_SKIP() << e.what();
   }
   EXPECT_THAT(written({map(), "--trajectory", query()}), HasSubstr("\"name\":\"trajectory\""));
+  EXPECT_THAT(written({map(), "--self"}), HasSubstr("\"verdict\":"));
+  EXPECT_EQ(runTool<renderApp>({results, "--map", map(), "--self", "-o", page}).code, kUsage);
   const std::string alone = written({results, "--map", map()});
   EXPECT_THAT(alone, HasAll("\"state\":\"sure\"", Not(HasSubstr("\"truth\":"))));
   const std::string whole = written({results, "--map", map(), "--sequence", query()});

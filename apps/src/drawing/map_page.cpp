@@ -147,6 +147,7 @@ public:
       throw IoError(path.string(), "cannot be drawn: no local model of the map has a pose");
     data_["up"] = rowsOf(rotationBetween(upInPart(map_, part_), Eigen::Vector3d::UnitZ()));
     data_["most_links"] = kMostLinks;
+    addOwnViews();
     addLinks();
     addRuns();
     for (const Finding& finding : page_.findings)
@@ -184,6 +185,20 @@ private:
       data_["models"].append(value);
     }
     noteLeftOut(hulls.write(data_), elsewhere);
+  }
+
+  void addOwnViews() {
+    for (const OwnView& view : page_.own_views) {
+      if (numbers_[view.model] < 0) continue;
+      Json::Value& value = data_["models"][numbers_[view.model]]["own"];
+      value["verdict"] = view.verdict();
+      value["p"] = view.probability;
+      value["reason"] = printable(view.reason);
+      if (view.nees) value["inside"] = view.isInside();
+      if (!view.mistaken_for) continue;
+      value["taken_for"] = numbers_[*view.mistaken_for];
+      if (view.distance) value["off"] = *view.distance;
+    }
   }
 
   /** The camera of all local models, in units of the width and the height of its image. */

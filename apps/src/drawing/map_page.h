@@ -5,6 +5,7 @@
 
 #include <facetloc/features/answer_state.h>
 #include <facetloc/features/finding.h>
+#include <facetloc/mapping/map_session.h>
 
 #include <functional>
 #include <optional>
@@ -48,6 +49,7 @@ struct MapPage {
   std::vector<DrawnRun> runs;
   std::vector<PageAnswer> answers;  ///< Sorted by time.
   Findings findings;                ///< about the recordings and their localization
+  std::vector<OwnView> own_views;   ///< answers for the map's own images, which colour its local models
   /** \brief The view of an answer's image, to show it and its matched local model; may be empty, and return
    * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;

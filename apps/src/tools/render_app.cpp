@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "batch/batch.h"
+#include "batch/map_watch.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "drawing/map_page.h"
@@ -145,6 +146,9 @@ private:
                    "Draw this trajectory into a map: a TUM file, or a recording with poses.");
     line.addOption("marks", marks_, "FILE,...",
                    "Mark the poses of these files in a map, green, purple and red.");
+    line.addSwitch("self", self_,
+                   "Localize a map's own images without themselves, and colour the local models of its page "
+                   "by the answers.");
     line.addOption("sequence", sequence_, "DIR",
                    "The recording of the results: its images, and its true poses.");
     line.addOption("most", most_, "N", "Maximum number of failures drawn, the most confident first.");
@@ -295,12 +299,16 @@ private:
   int renderMapPage(const Console& console) const {
     if (!map_.empty())
       throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
-    const Map map = readMap(input_);
+    const auto map = std::make_shared<const Map>(openMap(input_));
     MapPage page;
     page.title = "Map " + fs::path(input_).stem().string();
     page.runs = drawnRuns();
-    writeMapPage(output_, map, page);
-    console.out << counted(map.models.size(), "local model") << "; page in " << output_ << "\n";
+    if (self_) {
+      MapWatch watch(console);
+      page.own_views = localizeOwnViews(map, {}, localization_, threads(), watch.callback());
+    }
+    writeMapPage(output_, *map, page);
+    console.out << counted(map->models.size(), "local model") << "; page in " << output_ << "\n";
     return kOk;
   }
 
@@ -343,7 +351,9 @@ private:
     if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
     if (most_ < 1) throw UsageError("most must be positive");
     if (!fs::exists(input_)) throw IoError(input_, "does not exist");
-    if (text::lowerExtension(output_) == ".html") {
+    const bool is_page = text::lowerExtension(output_) == ".html";
+    if (self_ && !(is_page && isMap(input_))) throw UsageError("--self goes with the page of a map");
+    if (is_page) {
       if (isMap(input_)) return renderMapPage(console);
       if (!isResultsFolder(input_))
         throw UsageError("pages are of maps and of results: " + input_ + " is neither");
@@ -357,7 +367,7 @@ private:
   }
 
   std::string input_, output_, map_, frame_, trajectory_, marks_, sequence_;
-  bool overwrite_ = false;
+  bool overwrite_ = false, self_ = false;
   int max_hypotheses_ = 1, most_ = 20;
   DepthInput depth_;
   EvaluationParams evaluation_;
