@@ -53,7 +53,7 @@ declare -A interface=(
   [localization]="depth/depth_consistency.h depth/moved_pixels.h motion/camera_motion.h nearby/hypothesis_ranking.h
     nearby/nearby_models.h nearby/view_alignment.h pairs/consensus.h pairs/mounting_check.h pairs/view_registration.h"
   [mapping]="depth/depth_consistency.h depth/depth_difference.h motion/step_prior.h motion/view_odometry.h motion/view_placing.h
-    nearby/view_alignment.h ranking/global_localization.h shortlist/plane_triplet_matcher.h"
+    nearby/nearby_models.h nearby/view_alignment.h ranking/global_localization.h shortlist/plane_triplet_matcher.h"
 )
 
 # moduleOf FILE: sets module; a process for each line would take a minute on a busy machine.

@@ -24,9 +24,6 @@ namespace facetloc::internal {
 /** \brief How depth is compared at a pose that all pixels have refined. */
 DepthCalibration refinedErrors(const Calibration& calibration);
 
-/** \brief Reach of the views that may show the surfaces of a scene. */
-constexpr ViewReach kEvidenceReach{2.5, 50 * kDegree};
-
 /** \brief Log odds of a score against the null hypothesis: the list lacks the place of the view. */
 struct ScoreOdds {
   double slope = 0;       ///< [1/nat]

@@ -2,8 +2,8 @@
 #include "calibration/shared_errors.h"
 
 #include "calibration/map_ambiguity.h"
-#include "nearby/hypothesis_ranking.h"
 #include "nearby/nearby_models.h"
+#include "poses/pose_fusion.h"
 #include "threads/in_parallel.h"
 
 #include <Eigen/Cholesky>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "poses/pose_fusion.h"
 #include "ranking/global_localization.h"
 #include "sessions/parallel_stage.h"
 
@@ -37,6 +38,7 @@ struct OwnImages {
   double min_probability;
   RightPose is_right;
   GlobalLocalizationParams params;
+  SharedErrors errors = sharedErrorsOf(*map);
   internal::GlobalLocalization localization{map, params};
   std::shared_ptr<const Camera> camera = std::make_shared<const Camera>(map->camera);
   std::vector<char> rendered = renderedViews(*map);  // indexed by local model
@@ -84,9 +86,10 @@ struct OwnImages {
     out.probability = best.probability;
     out.right = is_comparable && is_right(*best.T_w_c, *model.T_w_m);
     if (out.right) {
-      const PoseWithCovariance T_w_c = *map->models[best.model].T_w_m * best.T_m_c;
-      out.nees = squaredMahalanobis(T_w_c, *model.T_w_m);
+      PoseWithCovariance T_w_c = *map->models[best.model].T_w_m * best.T_m_c;
       out.free_motions = freeMotionsOf(principalStd(T_w_c.P), Eigen::Matrix3d::Identity(), params.sure);
+      T_w_c.P = internal::withSharedErrors(T_w_c.P, errors.rotation_std, errors.translation_std);
+      out.nees = squaredMahalanobis(T_w_c, *model.T_w_m);  // the stored pose errs as well
       return;
     }
     out.mistaken_for = best.model;

@@ -157,9 +157,9 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
 struct OwnView {
   int model = 0;  ///< index of its local model
   AnswerState state = AnswerState::unknown;
-  double probability = 0;           ///< probability of the first place; 0 without one
-  bool right = false;               ///< the first place is the image's own
-  std::optional<double> nees;       ///< squaredMahalanobis() of a right first pose from the stored one
+  double probability = 0;      ///< probability of the first place; 0 without one
+  bool right = false;          ///< the first place is the image's own
+  std::optional<double> nees;  ///< squared Mahalanobis distance of a right first pose from the stored one
   std::optional<int> mistaken_for;  ///< index of the local model that found a wrong first place
   std::optional<double> distance;   ///< distance of that place [m]; empty in another part of the map
   std::string free_motions{};       ///< PoseLimits::openMotions(), in rounded axes of its part (METHOD 1.8)
