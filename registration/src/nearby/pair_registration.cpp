@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nearby/hypothesis_ranking.h"
+#include "nearby/nearby_models.h"
 #include "nearby/view_alignment.h"
 #include "pairs/mounting_check.h"
 #include "pairs/view_registration.h"
