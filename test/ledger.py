@@ -22,11 +22,12 @@ import sys
 import check_parameters
 
 ELLIPSOID = 12.5916  # 95 % quantile of chi-square with 6 degrees of freedom
+CONSISTENT = "1.5..9"  # median NEES of covariances that are right, ideally 5.35
 SURE = 0.9           # probability from which an answer is sure, unless the map is calibrated
 COLUMNS = ("figure", "value", "better", "tolerance", "quick", "reason")
 # Direction and tolerance of a new row, by the first pattern that its name matches.
 NEW_ROWS = (("cross.*.sure", "less", "0"), ("*.images", "same", "0"), ("*.first_sure", "less", "0"), ("*.sure_wrong", "less", "0"),
-            ("*.sure_prob_mismatch", "less", "0"), ("*.in95", "more", "15%"), ("*.nees", "less", "15%"), ("speed.*", "less", "15%"),
+            ("*.sure_prob_mismatch", "less", "0"), ("*.in95", "more", "15%"), ("*.nees", CONSISTENT, "15%"), ("speed.*", "less", "15%"),
             ("pairs.*.wrong_converged", "less", "0"), ("map.*", "less", "15%"), ("house.cold_build*", "less", "15%"),
             ("house.*", "less", "0"), ("*", "more", "0"))
 
@@ -135,10 +136,24 @@ class Row:
         if "-" in (self.value, value) or float(self.value) == float(value):
             return "same"
         was, now = float(self.value), float(value)
+        if ".." in self.better:
+            return self.verdict_within(was, now)
         allowed = abs(was) * float(self.tolerance[:-1]) / 100 if self.tolerance.endswith("%") else float(self.tolerance)
         if abs(now - was) <= allowed:
             return "same"
         return "better" if self.better == ("more" if now > was else "less") else "WORSE"
+
+    def verdict_within(self, was, now):
+        """Inside the interval all values are equal; outside, the farther by ratio the worse."""
+        low, high = map(float, self.better.split(".."))
+
+        def off(x):
+            return max(math.log(low / x) if x > 0 else math.inf, math.log(x / high) if x > 0 else 0, 0)
+
+        farther = off(now) - off(was)
+        if abs(farther) <= math.log1p(float(self.tolerance[:-1]) / 100):
+            return "same"
+        return "WORSE" if farther > 0 else "better"
 
 
 def rows_of(text):
@@ -150,8 +165,8 @@ def rows_of(text):
     table = {}
     for line in lines[1:]:
         cells = line.split("\t")
-        if len(cells) != len(COLUMNS) or not cells[-1] or cells[2] not in ("more", "less", "same"):
-            sys.exit(f"ledger.py: a line needs {len(COLUMNS)} cells, a direction (more, less, same) and a reason: {line}")
+        if len(cells) != len(COLUMNS) or not cells[-1] or cells[2] not in ("more", "less", "same", CONSISTENT):
+            sys.exit(f"ledger.py: a line needs {len(COLUMNS)} cells, a direction (more, less, same, {CONSISTENT}) and a reason: {line}")
         table[cells[0]] = Row(*cells)
     return table
 
