@@ -8,16 +8,15 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
 #include <unistd.h>
+#include <utility>
 
 namespace facetloc {
 namespace {
 
-constexpr int kBackgroundPriority = 10;  // as of nice: images go first
-constexpr double kStep = 0.05;           // smallest step that counts as motion: less is noise [m]
-constexpr double kMoved = 0.05;          // motion of keyframes after which the trajectory is drawn anew [m]
+constexpr int kPolite = 10;      // as of nice: images go first
+constexpr double kStep = 0.05;   // smallest step that counts as motion: less is noise [m]
+constexpr double kMoved = 0.05;  // motion of keyframes after which the trajectory is drawn anew [m]
 constexpr std::chrono::seconds kLeastRest(1);  // between improvements
 
 }  // namespace
@@ -37,16 +36,6 @@ LiveMapping::LiveMapping(const LiveMappingOptions& options)
   database_.setMeta("parameters", options.parameters);
   database_.setMeta(kStateKey, kUnderWay);
   state_.map = std::make_shared<Map>();
-  thread_ = std::thread([this] { work(); });
-}
-
-LiveMapping::~LiveMapping() {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    ended_ = true;
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
 }
 
 LiveMapState LiveMapping::update(const View& view, const std::string& name, double stamp,
@@ -79,16 +68,11 @@ void LiveMapping::follow(const View& view, const std::string& name, double stamp
 
 /** Takes the result of the background, if it has finished something. */
 void LiveMapping::takeResult() {
-  std::unique_ptr<Job> done;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (error_) std::rethrow_exception(error_);
-    done = std::move(done_);
-  }
-  if (!done) return;
-  state_.map = done->result;
-  if (!done->improve) return;
-  const double moved = map_.adopt(done->map);
+  if (!job_.valid() || job_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  const Job done = job_.get();
+  state_.map = done.result;
+  if (!done.improve) return;
+  const double moved = map_.adopt(done.map);
   state_.loops = map_.loops();
   const Clock::time_point now = Clock::now();
   next_improvement_ = now + std::max<Clock::duration>(kLeastRest, now - improved_);
@@ -101,40 +85,16 @@ void LiveMapping::takeResult() {
 
 /** Unless the background has still something to do. */
 void LiveMapping::begin(bool improve) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (busy_ || to_do_ || done_) return;
-  }
-  auto job = std::make_unique<Job>(Job{map_.clone(), std::move(unwritten_), improve, {}});
-  unwritten_.clear();
+  if (job_.valid()) return;
   if (improve) improved_ = Clock::now();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  to_do_ = std::move(job);
-  changed_.notify_all();
-}
-
-void LiveMapping::work() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kBackgroundPriority);
-  std::unique_lock<std::mutex> lock(mutex_);
-  while (true) {
-    changed_.wait(lock, [this] { return to_do_ || ended_; });
-    if (!to_do_) return;
-    std::unique_ptr<Job> job = std::move(to_do_);
-    busy_ = true;
-    lock.unlock();
-    std::exception_ptr error;
-    try {
-      carryOut(*job);
-    } catch (...) {
-      error = std::current_exception();
-    }
-    lock.lock();
-    busy_ = false;
-    error_ = error;
-    done_ = std::move(job);
-    changed_.notify_all();
-    if (error) return;
-  }
+  job_ = std::async(
+      std::launch::async,
+      [this](Job job) {
+        static_cast<void>(nice(kPolite));  // on Linux this is the thread's alone
+        carryOut(job);
+        return job;
+      },
+      Job{map_.clone(), std::exchange(unwritten_, {}), improve, {}});
 }
 
 /** Begins with the data that would be lost if the program were killed now. */
@@ -157,18 +117,16 @@ void LiveMapping::carryOut(Job& job) {
 
 void LiveMapping::finish() {
   const auto wait = [this] {
-    std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [this] { return !to_do_ && !busy_; });
+    if (job_.valid()) job_.wait();
+    takeResult();
   };
   wait();
-  takeResult();
   if (map_.size() == 0) {
     std::filesystem::remove(path_);
     throw IoError(path_.string(), "is not written: none of the images makes a local model");
   }
   begin(true);
   wait();
-  takeResult();
   database_.setMeta(kStateKey, kWhole);
 }
 

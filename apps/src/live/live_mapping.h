@@ -7,14 +7,11 @@
 #include <facetloc/mapping/growing_map.h>
 
 #include <chrono>
-#include <condition_variable>
-#include <exception>
 #include <filesystem>
+#include <future>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace facetloc {
@@ -39,7 +36,7 @@ struct LiveMapState {
   std::string toString() const;
 };
 
-/** \brief Makes a map while a camera moves: follows it image by image, and in the background, on one thread
+/** \brief Makes a map while a camera moves: follows it image by image, and in the background, on a thread
  * of low priority, closes loops and writes local models and their poses to the file. Images never wait for
  * the background.
  *
@@ -47,12 +44,9 @@ struct LiveMapState {
  * with time; with new rooms grow keyframes (0.2 MB each) and local models. */
 class LiveMapping {
 public:
-  /** \brief Creates the file. Throws IoError. */
+  /** \brief Creates the file. Throws IoError. Its destructor ends the work under way, and leaves out
+   * finish(). */
   explicit LiveMapping(const LiveMappingOptions& options);
-  /** \brief Ends the work under way, and leaves out finish(). */
-  ~LiveMapping();
-  LiveMapping(const LiveMapping&) = delete;
-  LiveMapping& operator=(const LiveMapping&) = delete;
 
   /** \brief The next image, its name, and, with odometry, the motion of the camera since the image
    * before. Throws any exception of the background thread. */
@@ -84,10 +78,8 @@ private:
               const std::optional<Eigen::Isometry3d>& motion);
   void takeResult();
   void begin(bool improve);
-  void work();
   void carryOut(Job& job);
 
-  // Used by the thread that calls update()
   const std::filesystem::path path_;
   const Camera camera_;
   GrowingMap map_;
@@ -96,16 +88,8 @@ private:
   std::optional<Eigen::Vector3d> last_place_;  // last position on the way
   LiveMapState state_;
   Clock::time_point improved_ = Clock::now(), next_improvement_ = improved_;
-
-  // Used by the background thread
-  MapDatabase database_;
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::unique_ptr<Job> to_do_, done_;
-  std::exception_ptr error_;
-  bool busy_ = false, ended_ = false;
-  std::thread thread_;  // the last member: it uses all others
+  MapDatabase database_;  // used by the job alone while there is one
+  std::future<Job> job_;  // the last member: the work under way uses others
 };
 
 }  // namespace facetloc
