@@ -167,8 +167,9 @@ private:
     const double left = kMargin + badge + 14;
     reason_.show(result.remark(), {left, line}, width_ - left - number_width - kMargin, height_);
     pose_.setColour(result.pose() && !result.isLocalized() ? kUntold : kBlack);
-    pose_.show(poseText(result, map_.get(), plan_.get(), matched), {kMargin, 60}, width_ - 2 * kMargin,
-               height_);
+    const auto heading =
+        plan_ && result.pose() ? std::optional(plan_->heading(result.pose()->T)) : std::nullopt;
+    pose_.show(poseText(result, map_.get(), heading, matched), {kMargin, 60}, width_ - 2 * kMargin, height_);
   }
 
   void showPlan(const LiveResult& result, const Layout& layout) {

@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "cli/text.h"
-#include "live/live_plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +62,8 @@ std::string timesText(const LiveResult& result, double rate) {
          fmt::format(",  age {:.0f} ms,  {} of {} dropped", result.age_ms, result.dropped, result.received);
 }
 
-std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched) {
+std::string poseText(const LiveResult& result, const Map* map, std::optional<double> heading_deg,
+                     std::size_t matched) {
   if (!map) return seenText(result.image);
   const Hypothesis* match = result.match();
   const PoseWithCovariance* pose = result.pose();
@@ -72,7 +72,7 @@ std::string poseText(const LiveResult& result, const Map* map, const LivePlan* p
   std::string words =
       pose ? partText(*map, result.part()) + positionText(pose->T.translation())
            : fmt::format("in local model {}:  {}", model, positionText(match->T_m_c.T.translation()));
-  if (pose && plan) words += fmt::format("   heading {}°", text::decimals(plan->heading(pose->T), 1));
+  if (pose && heading_deg) words += fmt::format("   heading {}°", text::decimals(*heading_deg, 1));
   words += "   " + accuracyText(pose ? pose->P : match->T_m_c.P);
   if (match)
     words += fmt::format("   {} of {} in local model {}", matched,

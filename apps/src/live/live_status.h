@@ -5,20 +5,21 @@
 #include "live/live_result.h"
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace facetloc {
-
-class LivePlan;
 
 /** \brief "tracking" and why, or how far a map has come, in words for one line. */
 std::string stateText(const LiveResult& result);
 /** \brief Stage times, age and drops of a frame, and the frame rate [Hz]. */
 std::string timesText(const LiveResult& result, double rate);
 
-/** \brief Where the camera is and how exactly, or the segments that it sees, on one line. \param map, plan
- * may be null \param matched segments of the view that the local model has */
-std::string poseText(const LiveResult& result, const Map* map, const LivePlan* plan, std::size_t matched);
+/** \brief Where the camera is and how exactly, or the segments that it sees, on one line. \param map may be
+ * null \param heading_deg in the plan, if it is known \param matched segments of the view that the local
+ * model has */
+std::string poseText(const LiveResult& result, const Map* map, std::optional<double> heading_deg,
+                     std::size_t matched);
 
 /** \brief A segment of the view: its number, size, distance, and how exactly its plane is known. */
 std::string segmentText(const View& view, std::size_t k);
