@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/evaluation_tables.h"
-
 #include "base/text.h"
+#include "evaluation/evaluation_report.h"
 
 #include <facetloc/features/pose.h>
 
