@@ -109,7 +109,7 @@ TEST(Evaluation, JudgesAnswersRelativeToTheirLocalModels) {
   const Summary s = summarize("", {f});
   EXPECT_EQ(s.local, 1u);
   EXPECT_EQ(s.local_correct, 1u);
-  EXPECT_NEAR(s.local_translation_median, 30, 1e-9);
+  EXPECT_NEAR(s.local_translation_mm.bound(0.5), 30, 1e-9);
   EXPECT_FALSE(evaluate({run}, truth, {}, {}, 0.02, {{"other", pose(2)}}).frames[0].local_error);
 }
 
@@ -220,11 +220,11 @@ TEST(Summary, CountsAndStatistics) {
   EXPECT_EQ(s.wrong, 1u);
   EXPECT_EQ(s.correct, 3u);
   EXPECT_EQ(s.best_correct, 2u);
-  EXPECT_NEAR(s.translation_stats.mean, 30, 1e-9);  // mean of 30, 50, 10 mm
-  EXPECT_NEAR(s.translation_stats.std, 20, 1e-9);
-  EXPECT_NEAR(s.translation_stats.max, 50, 1e-9);
-  EXPECT_NEAR(s.rotation_stats.max, 1.0, 1e-9);
-  EXPECT_NEAR(s.index_stats.mean, 4.0 / 3, 1e-12);
+  EXPECT_NEAR(s.translation_mm.mean, 30, 1e-9);  // mean of 30, 50, 10 mm
+  EXPECT_NEAR(s.translation_mm.std, 20, 1e-9);
+  EXPECT_NEAR(s.translation_mm.max, 50, 1e-9);
+  EXPECT_NEAR(s.rotation_deg.max, 1.0, 1e-9);
+  EXPECT_NEAR(s.index.mean, 4.0 / 3, 1e-12);
 }
 
 TEST(Summary, RecallAtFullPrecision) {
@@ -253,14 +253,14 @@ TEST(Summary, OfEmptyInputIsZero) {
   EXPECT_EQ(s.translation_mm.bound(0.99), 0);
 }
 
-TEST(CumulativeHistogram, IsSortedAndNormalised) {
-  const CumulativeHistogram h = cumulativeHistogram({3, 1, 2, 2});
-  EXPECT_THAT(h.x, ElementsAre(1, 2, 2, 3));
-  EXPECT_THAT(h.y, ElementsAre(0.25, 0.5, 0.75, 1));
-  EXPECT_EQ(h.bound(0.5), 2);
-  EXPECT_EQ(h.bound(0.76), 3);
-  EXPECT_EQ(h.bound(0.99), 3);
-  EXPECT_EQ(h.bound(0.1), 1);
+TEST(Sample, IsSortedAndHasShares) {
+  const Sample s({3, 1, 2, 2});
+  EXPECT_THAT(s.values, ElementsAre(1, 2, 2, 3));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(s.share(i), 0.25 * static_cast<double>(i + 1));
+  EXPECT_EQ(s.bound(0.5), 2);
+  EXPECT_EQ(s.bound(0.76), 3);
+  EXPECT_EQ(s.bound(0.99), 3);
+  EXPECT_EQ(s.bound(0.1), 1);
 }
 
 TEST(EvaluationReport, SetsOfFrames) {

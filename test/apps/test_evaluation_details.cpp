@@ -48,7 +48,7 @@ TEST(ErrorGroups, ByVisiblePlanes) {
   EXPECT_EQ(groups[2].summary.correct, 2u);
   EXPECT_EQ(groups[2].summary.best_correct, 1u);
   EXPECT_NEAR(groups[2].mean, 14.0 / 3, 1e-12);
-  EXPECT_NEAR(groups[2].summary.translation_stats.mean, 10, 1e-9);
+  EXPECT_NEAR(groups[2].summary.translation_mm.mean, 10, 1e-9);
 }
 
 TEST(ErrorGroups, ByDistance) {

@@ -25,7 +25,7 @@ TEST_F(Tools, MapBuildRemovesTheDepthDistortion) {
     ok(runTool<localizeApp>({map, folder_ / "query", "-o", results}));
     const Evaluation evaluation =
         evaluate(readHypotheses(results), readTumTrajectory(folder_ / "query/groundtruth.txt"), {}, {});
-    return summarize("", evaluation.frames).translation_stats.mean;
+    return summarize("", evaluation.frames).translation_mm.mean;
   };
   const double raw = meanError("raw", {"--raw-depth"}), corrected = meanError("corrected", {});
   EXPECT_LT(corrected, 0.5 * raw);

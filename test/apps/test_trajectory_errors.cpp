@@ -33,14 +33,14 @@ const RelativeErrors& over(const TrajectoryErrors& errors, const std::string& wh
   throw std::out_of_range(what);
 }
 
-TEST(ErrorMoments, OfASample) {
-  const ErrorMoments m = momentsOf({3, 0, 4, 1});
+TEST(Sample, HasMoments) {
+  const Sample m({3, 0, 4, 1});
   EXPECT_DOUBLE_EQ(m.rmse, std::sqrt(26 / 4.));
   EXPECT_DOUBLE_EQ(m.mean, 2);
   EXPECT_DOUBLE_EQ(m.median, 2);
   EXPECT_DOUBLE_EQ(m.max, 4);
-  EXPECT_DOUBLE_EQ(momentsOf({3, 0, 4}).median, 3);
-  EXPECT_EQ(momentsOf({}).rmse, 0);
+  EXPECT_DOUBLE_EQ(Sample({3, 0, 4}).median, 3);
+  EXPECT_EQ(Sample().rmse, 0);
 }
 
 TEST(TrajectoryErrors, AreZeroInAnotherFrame) {

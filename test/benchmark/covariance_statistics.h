@@ -25,15 +25,15 @@ public:
   std::size_t size() const { return nees_.size(); }
   std::size_t invalid() const { return invalid_; }  ///< left out
   /** \brief Mean of e^T P^-1 e: 6 if covariances are right. 0 without poses. */
-  double meanNees() const { return statistics(nees_).mean; }
+  double meanNees() const { return Sample(nees_).mean; }
   /** \brief The value that this share of e^T P^-1 e does not exceed; 5.35 for a half if they are right. */
-  double nees(double share) const { return cumulativeHistogram(nees_).bound(share); }
+  double nees(double share) const { return Sample(nees_).bound(share); }
   /** \brief Share of the poses whose true value lies in the ellipsoid that should hold 50 or 95 % of them. */
   double inside50() const { return inside(kEllipsoid50); }
   double inside95() const { return inside(kEllipsoid95); }
   /** \brief The value that this share of |error| / std along an axis does not exceed: 0.67, 1.64 and 2.17 for
    * 0.5, 0.9 and 0.97 if covariances are right. */
-  double ratio(Axis axis, double share) const { return cumulativeHistogram(ratios_[axis]).bound(share); }
+  double ratio(Axis axis, double share) const { return Sample(ratios_[axis]).bound(share); }
 
 private:
   static constexpr double kEllipsoid50 = 5.348, kEllipsoid95 = 12.592;  // chi squared, 6 degrees of freedom

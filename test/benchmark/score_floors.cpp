@@ -111,7 +111,7 @@ void print(const std::string& name, const Evaluation& evaluation) {
               "%4zu/%zu\n",
               name.c_str(), all.total, covered.total, percent(solvable.correct, solvable.total),
               percent(covered.correct, covered.total), percent(covered.best_correct, covered.total),
-              covered.translation_stats.mean, covered.rotation_stats.mean, covered.index_stats.mean,
+              covered.translation_mm.mean, covered.rotation_deg.mean, covered.index.mean,
               percent(covered.none, covered.total), percent(all.sure_correct, all.sure),
               percent(covered.sure_correct, covered.total), all.largest_deviation, nothing.unsure,
               nothing.total);
@@ -133,8 +133,8 @@ void printTable(const Evaluation& evaluation) {
       "\nall %zu images: no hypothesis %.2f %%, none correct %.2f %%, correct %.2f %%, at rank 1 %.2f %%; "
       "mean error %.1f mm, %.2f deg; mean index of the first correct one %.2f\n",
       all.total, percent(all.none, all.total), percent(all.total - all.none - all.correct, all.total),
-      percent(all.correct, all.total), percent(all.best_correct, all.total), all.translation_stats.mean,
-      all.rotation_stats.mean, all.index_stats.mean);
+      percent(all.correct, all.total), percent(all.best_correct, all.total), all.translation_mm.mean,
+      all.rotation_deg.mean, all.index.mean);
 }
 
 /** Options as the tools have them, including algorithms and presets. */

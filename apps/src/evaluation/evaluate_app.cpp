@@ -149,7 +149,7 @@ private:
     const Eigen::Isometry3d& T = alignment.motion.T_true_estimated;
     std::vector<double> distances;
     for (const PosePair& pair : pairs) distances.push_back(distanceAfter(T, pair));
-    alignment.errors = momentsOf(distances);
+    alignment.errors = Sample(std::move(distances));
     moveWorld(T, input.runs);
     if (input.map)
       for (LocalModel& model : input.map->models)

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
-#include <numeric>
 #include <set>
 
 namespace facetloc {
@@ -396,37 +395,10 @@ Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
   return evaluate({{"", rows, {}}}, PlaceTruth(truth), models, params, tolerance);
 }
 
-Statistics statistics(const std::vector<double>& values) {
-  Statistics s;
-  if (values.empty()) return s;
-  const double n = static_cast<double>(values.size());
-  s.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-  s.max = *std::max_element(values.begin(), values.end());
-  double squares = 0;
-  for (const double v : values) squares += (v - s.mean) * (v - s.mean);
-  if (values.size() > 1) s.std = std::sqrt(squares / (n - 1));
-  return s;
-}
-
-CumulativeHistogram cumulativeHistogram(std::vector<double> values) {
-  CumulativeHistogram histogram;
-  std::sort(values.begin(), values.end());
-  for (std::size_t i = 0; i < values.size(); ++i)
-    histogram.y.push_back(static_cast<double>(i + 1) / static_cast<double>(values.size()));
-  histogram.x = std::move(values);
-  return histogram;
-}
-
-double CumulativeHistogram::bound(double share) const {
-  const auto found = std::lower_bound(y.begin(), y.end(), share);
-  if (x.empty()) return 0;
-  return found == y.end() ? x.back() : x[found - y.begin()];
-}
-
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames) {
   Summary summary;
   summary.name = name;
-  std::vector<double> local_mm, local_deg;
+  std::vector<double> mm, deg, heading_deg, index, local_mm, local_deg, nees;
   for (const FrameEvaluation& frame : frames) {
     ++summary.total;
     summary.none += frame.hypotheses == 0;
@@ -446,26 +418,20 @@ Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& f
       local_mm.push_back(1000 * frame.local_error->translation);
       local_deg.push_back(frame.local_error->rotation_deg);
     }
-    if (frame.nees) summary.nees.push_back(*frame.nees);
+    if (frame.nees) nees.push_back(*frame.nees);
     summary.unsure += frame.hypotheses == 0 || frame.probability < kUnsure;
     if (frame.first_correct == 0) continue;
     ++summary.correct;
-    summary.translation_mm.x.push_back(1000 * frame.first_correct_error.translation);
-    summary.rotation_deg.x.push_back(frame.first_correct_error.rotation_deg);
-    summary.heading_deg.x.push_back(frame.first_correct_error.heading_deg);
-    summary.index.x.push_back(frame.first_correct);
+    mm.push_back(1000 * frame.first_correct_error.translation);
+    deg.push_back(frame.first_correct_error.rotation_deg);
+    heading_deg.push_back(frame.first_correct_error.heading_deg);
+    index.push_back(frame.first_correct);
   }
-  summary.local_translation_stats = statistics(local_mm);
-  summary.local_rotation_stats = statistics(local_deg);
-  summary.local_translation_median = cumulativeHistogram(std::move(local_mm)).bound(0.5);
-  const auto describe = [](CumulativeHistogram& values, Statistics& stats) {
-    stats = statistics(values.x);
-    values = cumulativeHistogram(std::move(values.x));
-  };
-  describe(summary.translation_mm, summary.translation_stats);
-  describe(summary.rotation_deg, summary.rotation_stats);
-  describe(summary.heading_deg, summary.heading_stats);
-  describe(summary.index, summary.index_stats);
+  summary.translation_mm = Sample(std::move(mm)), summary.rotation_deg = Sample(std::move(deg));
+  summary.heading_deg = Sample(std::move(heading_deg)), summary.index = Sample(std::move(index));
+  summary.local_translation_mm = Sample(std::move(local_mm));
+  summary.local_rotation_deg = Sample(std::move(local_deg));
+  summary.nees = Sample(std::move(nees));
   addReliability(frames, summary);
   addRecall(frames, summary);
   return summary;

@@ -3,6 +3,7 @@
 
 #include "evaluation/alignment.h"
 #include "evaluation/frame_truth.h"
+#include "evaluation/sample.h"
 #include "outputs/provenance.h"
 
 #include <facetloc/features/local_model.h>
@@ -164,24 +165,7 @@ Evaluation evaluate(const std::vector<ResultRow>& rows, const Trajectory& truth,
                     const std::vector<ModelPose>& models, const EvaluationParams& params,
                     double tolerance = 0.02);
 
-/** \brief Statistics of a sample; all zero without one. The standard deviation is the sample's (n - 1). */
-struct Statistics {
-  double mean = 0;
-  double std = 0;
-  double max = 0;
-};
-Statistics statistics(const std::vector<double>& values);
-
 constexpr double kMarkedShare = 0.99;  ///< whose bound Fig. 6 marks
-
-/** \brief A normalised cumulative histogram: y is the share of values up to x; x ascends. */
-struct CumulativeHistogram {
-  std::vector<double> x;
-  std::vector<double> y;
-  /** \brief The smallest value that at least this share does not exceed; 0 without values. */
-  double bound(double share) const;
-};
-CumulativeHistogram cumulativeHistogram(std::vector<double> values);
 
 /** \brief Probabilities of one range, and how often they were right. */
 struct ReliabilityBin {
@@ -202,15 +186,14 @@ constexpr std::size_t kReliableCount = 20;  ///< images from which on the share 
 struct Summary {
   std::string name;
   std::size_t total = 0;
-  std::size_t none = 0;                                                  ///< no hypothesis
-  std::size_t wrong = 0;                                                 ///< no correct hypothesis
-  std::size_t correct = 0;                                               ///< at least one
-  std::size_t best_correct = 0;                                          ///< rank 1 is
-  CumulativeHistogram translation_mm, rotation_deg, heading_deg, index;  ///< first correct hypotheses
-  Statistics translation_stats, rotation_stats, heading_stats, index_stats;
-  double threshold = 0;  ///< the largest probability of a wrong rank 1
-  double recall = 0;     ///< share of all frames whose rank 1 is correct and more probable than that
-  double brier = 0;      ///< mean squared difference of the probability of rank 1 and its truth
+  std::size_t none = 0;                                     ///< no hypothesis
+  std::size_t wrong = 0;                                    ///< no correct hypothesis
+  std::size_t correct = 0;                                  ///< at least one
+  std::size_t best_correct = 0;                             ///< rank 1 is
+  Sample translation_mm, rotation_deg, heading_deg, index;  ///< first correct hypotheses
+  double threshold = 0;                                     ///< the largest probability of a wrong rank 1
+  double recall = 0;  ///< share of all frames whose rank 1 is correct and more probable than that
+  double brier = 0;   ///< mean squared difference of the probability of rank 1 and its truth
   std::size_t sure = 0, doubtful = 0, unknown = 0;     ///< as the results say of themselves
   std::size_t sure_correct = 0, doubtful_correct = 0;  ///< covered frames whose rank 1 is
   std::size_t unsure = 0;  ///< no hypothesis, or rank 1 with a probability below kUnsure
@@ -218,9 +201,8 @@ struct Summary {
   double largest_deviation = 0;  ///< largest deviation among bins with at least kReliableCount images
   std::size_t local = 0;         ///< sure answers whose error relative to the local model is known
   std::size_t local_correct = 0;
-  Statistics local_translation_stats, local_rotation_stats;  ///< [mm], [deg]
-  double local_translation_median = 0;                       ///< [mm]
-  std::vector<double> nees;  ///< correct poses of rank 1 with a covariance; 6 on average if consistent
+  Sample local_translation_mm, local_rotation_deg;
+  Sample nees;  ///< correct poses of rank 1 with a covariance; 6 on average if consistent
 };
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
 /** \brief Summary of the frames that are chosen. */

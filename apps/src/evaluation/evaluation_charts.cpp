@@ -20,14 +20,14 @@ Json::Value row(std::initializer_list<double> values) {
 }
 
 /** The paper's Fig. 6. */
-Json::Value errorData(const EvaluationReport& report, CumulativeHistogram Summary::*errors, double limit,
+Json::Value errorData(const EvaluationReport& report, Sample Summary::*errors, double limit,
                       double paper_bound) {
   Json::Value data;
   for (const Summary& summary : report.summaries) {
     if (summary.correct == 0) continue;
     Json::Value set;
     set["name"] = summary.name;
-    for (const double error : (summary.*errors).x) set["errors"].append(error);
+    for (const double error : (summary.*errors).values) set["errors"].append(error);
     data["sets"].append(set);
   }
   if (data.isNull()) return data;

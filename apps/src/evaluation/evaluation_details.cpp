@@ -47,9 +47,8 @@ std::vector<ErrorGroup> grouped(const std::vector<FrameEvaluation>& frames, cons
 }
 
 StageTime stageTime(const std::string& stage, std::vector<double> ms) {
-  const Statistics s = statistics(ms);
-  const CumulativeHistogram histogram = cumulativeHistogram(std::move(ms));
-  return {stage, histogram.x.size(), s.mean, histogram.bound(0.5), histogram.bound(kMostShare), s.max};
+  const Sample s(std::move(ms));
+  return {stage, s.values.size(), s.mean, s.bound(0.5), s.bound(kMostShare), s.max};
 }
 
 std::optional<MissKind> missKind(const FrameEvaluation& f, bool relative) {

@@ -59,10 +59,11 @@ void writeFrames(std::ostream& out, const Evaluation& evaluation) {
 void writeHistograms(std::ostream& out, const std::vector<Summary>& summaries) {
   out << "set,share,translation_mm,orientation_deg,index\n";
   for (const Summary& s : summaries)
-    for (std::size_t i = 0; i < s.translation_mm.x.size(); ++i)
-      out << text::csvCell(s.name) << "," << text::significant(s.translation_mm.y[i]) << ","
-          << text::significant(s.translation_mm.x[i]) << "," << text::significant(s.rotation_deg.x[i]) << ","
-          << text::significant(s.index.x[i]) << "\n";
+    for (std::size_t i = 0; i < s.translation_mm.values.size(); ++i)
+      out << text::csvCell(s.name) << "," << text::significant(s.translation_mm.share(i)) << ","
+          << text::significant(s.translation_mm.values[i]) << ","
+          << text::significant(s.rotation_deg.values[i]) << "," << text::significant(s.index.values[i])
+          << "\n";
 }
 
 void writeErrors(std::ostream& out, const Evaluation& evaluation) {
@@ -74,7 +75,7 @@ void writeErrors(std::ostream& out, const Evaluation& evaluation) {
       out << quantity << "," << text::significant(group.lowest) << ","
           << (std::isinf(group.highest) ? "" : text::significant(group.highest)) << "," << s.total << ","
           << s.correct << "," << s.best_correct << ","
-          << errorCells(s.correct > 0, {s.translation_stats.mean / 1000, s.rotation_stats.mean, 0}) << "\n";
+          << errorCells(s.correct > 0, {s.translation_mm.mean / 1000, s.rotation_deg.mean, 0}) << "\n";
     }
   };
   lines("visible planes", errorsByVisiblePlanes(frames));

@@ -43,7 +43,7 @@ void writeTables(std::ostream& out, const std::vector<Summary>& summaries);
 struct ResultsAlignment {
   Alignment motion;
   std::size_t answers = 0;  ///< sure ones with a true pose
-  ErrorMoments errors;      ///< position errors of all pairs after the alignment [m]
+  Sample errors;            ///< position errors of all pairs after the alignment [m]
 };
 
 /** \brief The findings of facetloc_evaluate: one summary per set of frames; the first one is of all. */

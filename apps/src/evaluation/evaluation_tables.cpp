@@ -44,16 +44,16 @@ Quantity count(const char* table, const char* name, std::size_t Summary::*n, std
 }
 
 /** The moments of an error, and the bound of most; \param paper of these four. */
-void addErrors(const char* group, Statistics Summary::*of, CumulativeHistogram Summary::*values,
-               const std::array<std::optional<double>, 4>& paper, std::vector<Quantity>& all) {
-  const auto moment = [of](double Statistics::*which) {
+void addErrors(const char* group, Sample Summary::*of, const std::array<std::optional<double>, 4>& paper,
+               std::vector<Quantity>& all) {
+  const auto moment = [of](double Sample::*which) {
     return [of, which](const Summary& s) { return (s.*of).*which; };
   };
-  all.push_back({"II", group, "Avg.", 2, moment(&Statistics::mean), paper[0]});
-  all.push_back({"II", group, "Std.", 2, moment(&Statistics::std), paper[1]});
-  all.push_back({"II", group, "Max.", 2, moment(&Statistics::max), paper[2]});
+  all.push_back({"II", group, "Avg.", 2, moment(&Sample::mean), paper[0]});
+  all.push_back({"II", group, "Std.", 2, moment(&Sample::std), paper[1]});
+  all.push_back({"II", group, "Max.", 2, moment(&Sample::max), paper[2]});
   all.push_back({"II", group, "99 % are below", 2,
-                 [values](const Summary& s) { return (s.*values).bound(kMarkedShare); }, paper[3]});
+                 [of](const Summary& s) { return (s.*of).bound(kMarkedShare); }, paper[3]});
 }
 
 std::vector<Quantity> allQuantities() {
@@ -62,11 +62,10 @@ std::vector<Quantity> allQuantities() {
                                count("I", "No hypothesis", &Y::none, 30, 3.79),
                                count("I", "No correct hypothesis", &Y::wrong, 44, 5.56),
                                count("I", "Correct hypothesis", &Y::correct, 718, 90.65)};
-  addErrors("Translation error [mm]", &Y::translation_stats, &Y::translation_mm, {36.83, 38.22, 199.65, 164},
-            all);
-  addErrors("Orientation error [deg]", &Y::rotation_stats, &Y::rotation_deg, {0.62, 0.56, 1.99, 1.9}, all);
-  addErrors("Heading error [deg]", &Y::heading_stats, &Y::heading_deg, {}, all);
-  addErrors("Index of the first correct hypothesis", &Y::index_stats, &Y::index, {4.29, 25.53, 530, {}}, all);
+  addErrors("Translation error [mm]", &Y::translation_mm, {36.83, 38.22, 199.65, 164}, all);
+  addErrors("Orientation error [deg]", &Y::rotation_deg, {0.62, 0.56, 1.99, 1.9}, all);
+  addErrors("Heading error [deg]", &Y::heading_deg, {}, all);
+  addErrors("Index of the first correct hypothesis", &Y::index, {4.29, 25.53, 530, {}}, all);
   const std::vector<Quantity> further = {
       count("states", "Total", &Y::total, 792, 100.00),
       count("states", "Sure", &Y::sure),
@@ -87,24 +86,23 @@ std::vector<Quantity> allQuantities() {
       {"beyond", kLocal, "Share within the limits of a correct pose [%]", 2,
        [](const Y& s) { return shareOf(s.local_correct, s.local); }},
       {"beyond", kLocal, "Translation error, avg. [mm]", 2,
-       [](const Y& s) { return s.local_translation_stats.mean; }},
+       [](const Y& s) { return s.local_translation_mm.mean; }},
       {"beyond", kLocal, "Translation error, median [mm]", 2,
-       [](const Y& s) { return s.local_translation_median; }},
+       [](const Y& s) { return s.local_translation_mm.bound(0.5); }},
       {"beyond", kLocal, "Translation error, max. [mm]", 2,
-       [](const Y& s) { return s.local_translation_stats.max; }},
+       [](const Y& s) { return s.local_translation_mm.max; }},
       {"beyond", kLocal, "Orientation error, avg. [deg]", 2,
-       [](const Y& s) { return s.local_rotation_stats.mean; }},
+       [](const Y& s) { return s.local_rotation_deg.mean; }},
       {"beyond", kLocal, "Orientation error, max. [deg]", 2,
-       [](const Y& s) { return s.local_rotation_stats.max; }},
-      {"beyond", kNees, "Poses", 0, [](const Y& s) { return static_cast<double>(s.nees.size()); }},
-      {"beyond", kNees, "Avg.", 2, [](const Y& s) { return statistics(s.nees).mean; }},
-      {"beyond", kNees, "Median (right: 5.35)", 2,
-       [](const Y& s) { return cumulativeHistogram(s.nees).bound(0.5); }},
+       [](const Y& s) { return s.local_rotation_deg.max; }},
+      {"beyond", kNees, "Poses", 0, [](const Y& s) { return static_cast<double>(s.nees.values.size()); }},
+      {"beyond", kNees, "Avg.", 2, [](const Y& s) { return s.nees.mean; }},
+      {"beyond", kNees, "Median (right: 5.35)", 2, [](const Y& s) { return s.nees.bound(0.5); }},
       {"beyond", kNees, "Share within the 95 % ellipsoid [%]", 2, [](const Y& s) {
          constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
-         return shareOf(static_cast<std::size_t>(std::count_if(s.nees.begin(), s.nees.end(),
+         return shareOf(static_cast<std::size_t>(std::count_if(s.nees.values.begin(), s.nees.values.end(),
                                                                [](double e) { return e <= kEllipsoid; })),
-                        s.nees.size());
+                        s.nees.values.size());
        }}};
   all.insert(all.end(), further.begin(), further.end());
   return all;
@@ -126,7 +124,7 @@ std::string paperCell(const Quantity& q) {
 /** Has it no meaning for these frames? */
 bool isOfNothing(const Quantity& q, const Summary& s) {
   return (q.table == std::string("II") && s.correct == 0) ||
-         (q.group == std::string(kNees) && s.nees.empty()) ||
+         (q.group == std::string(kNees) && s.nees.values.empty()) ||
          (q.group == std::string(kLocal) && s.local == 0);
 }
 
@@ -177,8 +175,8 @@ void addErrorTable(const std::string& title, const std::string& quantity,
     const bool any = s.correct > 0;
     table.add({s.name, std::to_string(s.total), fmt::format("{:.1f} %", percentOf(s.correct, s)),
                fmt::format("{:.1f} %", percentOf(s.best_correct, s)),
-               any ? text::decimals(s.translation_stats.mean, 1) : "-",
-               any ? text::decimals(s.rotation_stats.mean, 2) : "-"});
+               any ? text::decimals(s.translation_mm.mean, 1) : "-",
+               any ? text::decimals(s.rotation_deg.mean, 2) : "-"});
   }
   tables.push_back({title, table});
 }

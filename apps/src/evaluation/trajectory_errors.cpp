@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 
@@ -52,8 +51,8 @@ std::optional<RelativeErrors> relativeErrors(const std::string& over, const Traj
   if (translation.empty()) return {};
   relative.intervals = translation.size();
   relative.mean_distance /= static_cast<double>(relative.intervals);
-  relative.translation = momentsOf(translation);
-  relative.rotation_deg = momentsOf(rotation_deg);
+  relative.translation = Sample(translation);
+  relative.rotation_deg = Sample(rotation_deg);
   return relative;
 }
 
@@ -71,20 +70,6 @@ void addRelativeErrors(TrajectoryErrors& errors) {
 }
 
 }  // namespace
-
-ErrorMoments momentsOf(const std::vector<double>& errors) {
-  ErrorMoments moments;
-  if (errors.empty()) return moments;
-  std::vector<double> sorted = errors;
-  std::sort(sorted.begin(), sorted.end());
-  const auto n = static_cast<double>(sorted.size());
-  moments.rmse = std::sqrt(std::inner_product(sorted.begin(), sorted.end(), sorted.begin(), 0.0) / n);
-  moments.mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / n;
-  const std::size_t half = sorted.size() / 2;
-  moments.median = sorted.size() % 2 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
-  moments.max = sorted.back();
-  return moments;
-}
 
 TrajectoryErrors trajectoryErrors(const Trajectory& estimate, const Trajectory& truth, double tolerance) {
   requireDifferentStamps(estimate, "estimated");
@@ -107,8 +92,8 @@ TrajectoryErrors trajectoryErrors(const Trajectory& estimate, const Trajectory& 
     errors.rotation_deg.push_back(rotationAngle(pair.estimated.linear().transpose() * pair.truth.linear()) /
                                   kDegree);
   }
-  errors.absolute = momentsOf(errors.translation);
-  errors.absolute_rotation_deg = momentsOf(errors.rotation_deg);
+  errors.absolute = Sample(errors.translation);
+  errors.absolute_rotation_deg = Sample(errors.rotation_deg);
   addRelativeErrors(errors);
   return errors;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "evaluation/alignment.h"
+#include "evaluation/sample.h"
 
 #include <facetloc/io/trajectory.h>
 
@@ -11,15 +12,6 @@
 
 namespace facetloc {
 
-/** \brief Moments of a sample of errors; all zero without one. */
-struct ErrorMoments {
-  double rmse = 0;
-  double mean = 0;
-  double median = 0;
-  double max = 0;
-};
-ErrorMoments momentsOf(const std::vector<double>& errors);
-
 constexpr const char *kOverSecond = "1 s", *kOverMetre = "1 m", *kOverTenth = "10 % of the way";
 
 /** \brief Errors of the motion from one pose to a later one. */
@@ -27,8 +19,8 @@ struct RelativeErrors {
   std::string over;           ///< kOverSecond, kOverMetre or kOverTenth
   std::size_t intervals = 0;  ///< one begins at every pose that has another so far on, and not twice as far
   double mean_distance = 0;   ///< mean distance of the intervals [m]
-  ErrorMoments translation;   ///< [m]
-  ErrorMoments rotation_deg;
+  Sample translation;         ///< [m]
+  Sample rotation_deg;
 
   /** \brief The mean error of the translation as a share of the distance, and of the rotation in deg/m; zero
    * where the camera stands still. */
@@ -45,8 +37,8 @@ struct TrajectoryErrors {
   std::vector<double> rotation_deg;  ///< error of the orientation at each stamp
   Alignment alignment;               ///< alignment of all pairs
   std::size_t without_truth = 0;     ///< estimated poses
-  ErrorMoments absolute;             ///< position errors [m]; its rmse is the absolute trajectory error
-  ErrorMoments absolute_rotation_deg;
+  Sample absolute;                   ///< position errors [m]; its rmse is the absolute trajectory error
+  Sample absolute_rotation_deg;
   std::vector<RelativeErrors> relative;  ///< those over a distance only if there is one
 
   double length() const { return distance.empty() ? 0 : distance.back(); }  ///< [m]

@@ -26,7 +26,7 @@ std::vector<std::string> preface(const TrajectoryReport& report) {
   return lines;
 }
 
-std::vector<std::string> row(const std::string& name, const ErrorMoments& m, double unit, int decimals) {
+std::vector<std::string> row(const std::string& name, const Sample& m, double unit, int decimals) {
   std::vector<std::string> cells = {name};
   for (const double value : {m.rmse, m.mean, m.median, m.max})
     cells.push_back(text::decimals(unit * value, decimals));
@@ -68,8 +68,8 @@ void writePoses(std::ostream& out, const TrajectoryErrors& e) {
 
 void writeSummary(std::ostream& out, const TrajectoryErrors& e) {
   out << "error,over,n,rmse,mean,median,max,mean_per_metre\n";
-  const auto line = [&](const std::string& name, const std::string& over, std::size_t n,
-                        const ErrorMoments& m, double unit, const std::string& per_metre) {
+  const auto line = [&](const std::string& name, const std::string& over, std::size_t n, const Sample& m,
+                        double unit, const std::string& per_metre) {
     out << name << "," << over << "," << n;
     for (const double value : {m.rmse, m.mean, m.median, m.max})
       out << "," << text::significant(unit * value);

@@ -38,7 +38,7 @@ std::string percent(std::size_t n, std::size_t total) {
                                     : fmt::format("{:.1f}\u00a0%", std::min(share, 99.9));
 }
 
-double median(std::vector<double> values) { return cumulativeHistogram(std::move(values)).bound(0.5); }
+double median(std::vector<double> values) { return Sample(std::move(values)).bound(0.5); }
 
 std::string lengthText(double metres) {
   return metres < 0.1 ? fmt::format("{:.0f} mm", 1000 * metres) : fmt::format("{:.2f} m", metres);
