@@ -119,25 +119,18 @@ void CommandLine::addSwitch(const std::string& name, bool& value, const std::str
   add(common(), name, po::bool_switch(&value), help, Needs::Nothing);
 }
 
-CommandLine::Semantic* CommandLine::bound(std::string& value, const std::string& value_name) {
-  return po::value(&value)->value_name(value_name);
+template <class T>
+CommandLine::Semantic* CommandLine::bound(T& value, const std::string& value_name) {
+  auto* semantic = po::value(&value)->value_name(value_name);
+  if constexpr (std::is_floating_point_v<T>) semantic->default_value(value, fmt::format("{:g}", value));
+  if constexpr (std::is_integral_v<T>) semantic->default_value(value, fmt::format("{:d}", value));
+  return semantic;
 }
-
-CommandLine::Semantic* CommandLine::bound(bool& value, const std::string& value_name) {
-  return po::value(&value)->value_name(value_name)->default_value(value, value ? "1" : "0");
-}
-
-CommandLine::Semantic* CommandLine::bound(std::vector<std::string>& values, const std::string& value_name) {
-  return po::value(&values)->value_name(value_name);
-}
-
-CommandLine::Semantic* CommandLine::bound(double& value, const std::string& value_name) {
-  return po::value(&value)->value_name(value_name)->default_value(value, fmt::format("{:g}", value));
-}
-
-CommandLine::Semantic* CommandLine::bound(int& value, const std::string& value_name) {
-  return po::value(&value)->value_name(value_name)->default_value(value);
-}
+template CommandLine::Semantic* CommandLine::bound(bool&, const std::string&);
+template CommandLine::Semantic* CommandLine::bound(int&, const std::string&);
+template CommandLine::Semantic* CommandLine::bound(double&, const std::string&);
+template CommandLine::Semantic* CommandLine::bound(std::string&, const std::string&);
+template CommandLine::Semantic* CommandLine::bound(std::vector<std::string>&, const std::string&);
 
 void CommandLine::add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,
                       Needs needs) {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace boost::program_options {
@@ -130,34 +131,28 @@ private:
     bool required = true;
   };
 
-  static Semantic* bound(std::string& value, const std::string& value_name);
-  static Semantic* bound(bool& value, const std::string& value_name);
-  static Semantic* bound(std::vector<std::string>& values, const std::string& value_name);
-  static Semantic* bound(double& value, const std::string& value_name);
-  static Semantic* bound(int& value, const std::string& value_name);
+  /** Of bool, int, double, std::string, or a list of strings. */
+  template <class T>
+  static Semantic* bound(T& value, const std::string& value_name);
   void add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,
            Needs needs = Needs::Value);
   Options& common();
   Options& groupOf(const ParamInfo& info, Shown shown);
-  void addParameter(Options& group, const std::string& name, bool& value, const std::string& help) {
-    add(group, name, bound(value, "BOOL"), help, Needs::Either);
-  }
-  void addParameter(Options& group, const std::string& name, double& value, const std::string& help) {
-    add(group, name, bound(value, "NUMBER"), help);
-  }
-  void addParameter(Options& group, const std::string& name, int& value, const std::string& help) {
-    add(group, name, bound(value, "INTEGER"), help);
-  }
-  template <class Choice>
-  std::enable_if_t<std::is_enum_v<Choice>> addParameter(Options& group, const std::string& name,
-                                                        Choice& value, const std::string& help) {
-    addChoice(group, name, numberText(value), help, [&value, name](const std::string& text) {
-      try {
-        value = choiceOf<Choice>(text);
-      } catch (const std::invalid_argument& e) {
-        throw UsageError(name + ": " + e.what());
-      }
-    });
+  template <class T>
+  void addParameter(Options& group, const std::string& name, T& value, const std::string& help) {
+    if constexpr (std::is_same_v<T, bool>) {
+      add(group, name, bound(value, "BOOL"), help, Needs::Either);
+    } else if constexpr (!std::is_enum_v<T>) {
+      add(group, name, bound(value, std::is_integral_v<T> ? "INTEGER" : "NUMBER"), help);
+    } else {
+      addChoice(group, name, numberText(value), help, [&value, name](const std::string& text) {
+        try {
+          value = choiceOf<T>(text);
+        } catch (const std::invalid_argument& e) {
+          throw UsageError(name + ": " + e.what());
+        }
+      });
+    }
   }
   void addChoice(Options& group, const std::string& name, const std::string& value, const std::string& help,
                  const std::function<void(const std::string&)>& assign);
