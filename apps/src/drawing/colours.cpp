@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <iterator>
 
 namespace facetloc {
+
+std::string Colour::toString() const { return fmt::format("#{:02x}{:02x}{:02x}", red, green, blue); }
 
 Colour mixed(const Colour& a, const Colour& b, double share_of_b) {
   const auto mix = [share_of_b](int x, int y) {

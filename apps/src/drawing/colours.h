@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace facetloc {
 
@@ -20,6 +21,8 @@ struct Colour {
       : red(r), green(g), blue(b), alpha(a) {}
 
   constexpr Colour withAlpha(std::uint8_t a) const { return {red, green, blue, a}; }
+  /** \brief "#1f77b4", as pages have it. */
+  std::string toString() const;
 };
 
 /** \brief The mixture of two opaque colours; share of the second one from 0 to 1. */

@@ -236,7 +236,7 @@ private:
     for (const DrawnRun& run : page_.runs) {
       Json::Value value;
       value["name"] = printable(run.name);
-      value["colour"] = fmt::format("#{:02x}{:02x}{:02x}", run.colour.red, run.colour.green, run.colour.blue);
+      value["colour"] = run.colour.toString();
       value["points"] = Json::arrayValue;
       for (const Eigen::Isometry3d& T : run.T_w_c)
         for (int i = 0; i < 3; ++i) value["points"].append(T.translation()[i]);

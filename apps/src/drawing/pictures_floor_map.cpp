@@ -105,9 +105,7 @@ void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
   const Pen pen{kBlack, 1.5};
   page.line({{right - width, y}, {right, y}}, pen);
   for (const double x : {right - width, right}) page.line({{x, y - kTick}, {x, y + kTick}}, pen);
-  TextStyle style;
-  style.across = Across::right;
-  page.text({right - width - 8, y}, fmt::format("{:.9g} m", length), style);
+  page.text({right - width - 8, y}, fmt::format("{:.9g} m", length), {17, false, kBlack, Across::right});
 }
 
 void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const std::vector<DrawnRun>& runs,

@@ -92,10 +92,7 @@ void drawNumbers(Page& page, const Box& box, const Side& side) {
     const Eigen::Vector2d at = Eigen::Vector2d(box.left, box.top) + inside;
     constexpr double kRadius = 9;
     page.disk(at, kRadius, kWhite.withAlpha(220));
-    TextStyle style;
-    style.size = 13;
-    style.across = Across::centre;
-    page.text(at, std::to_string(side.numbers[k] + 1), style);
+    page.text(at, std::to_string(side.numbers[k] + 1), {13, false, kBlack, Across::centre});
   }
 }
 
@@ -146,12 +143,7 @@ public:
 
   static double height(double panel_height) { return kCaption + kTitle + panel_height + kMargin; }
 
-  void caption(const std::string& words) {
-    TextStyle style;
-    style.size = 20;
-    style.bold = true;
-    page_.text({kMargin, top_ + kCaption / 2}, words, style);
-  }
+  void caption(const std::string& words) { page_.text({kMargin, top_ + kCaption / 2}, words, {20, true}); }
   /** Writes a panel's title. \return where its content belongs. */
   Box panel(int column, const std::string& title) {
     const double left = kMargin + column * (kPanelWidth + kGap);

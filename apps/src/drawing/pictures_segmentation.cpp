@@ -20,11 +20,7 @@ namespace {
 constexpr double kPanelWidth = 480;  // [px]
 constexpr double kMargin = 16, kGap = 12, kTitle = 28;
 
-TextStyle centred() {
-  TextStyle style;
-  style.across = Across::centre;
-  return style;
-}
+const TextStyle kCentred = {17, false, kBlack, Across::centre};
 
 void drawModel3d(Page& page, const Box& box, const View& view) {
   SegmentScene scene(page.scene(box));
@@ -72,7 +68,7 @@ void drawSegmentation(const std::filesystem::path& path, const SeenImage& image)
             static_cast<int>(2 * kMargin + height + kTitle));
   const auto panel = [&](int column, const std::string& title) {
     const Box box = {kMargin + column * (kPanelWidth + kGap), kMargin, kPanelWidth, height};
-    page.text({box.centre().x(), box.bottom() + kTitle / 2 + 3}, title, centred());
+    page.text({box.centre().x(), box.bottom() + kTitle / 2 + 3}, title, kCentred);
     return box;
   };
   page.picture(panel(0, "(a) depth image " + image.name), greyDepth(image.depth));
@@ -80,7 +76,7 @@ void drawSegmentation(const std::filesystem::path& path, const SeenImage& image)
                overlay(image.depth, image.labels));
   const Box box = panel(2, "(c) 3D model of the dominant segments");
   if (image.view.segments.empty())
-    page.text(box.centre(), "no segments", centred());
+    page.text(box.centre(), "no segments", kCentred);
   else
     drawModel3d(page, box, image.view);
   page.frame(box, {Colour(190, 190, 190), 1});

@@ -12,8 +12,6 @@ namespace {
 constexpr double kWidth = 720, kHighest = 520, kMargin = 12;  // [px]
 constexpr std::size_t kMostWalls = 20000;
 
-std::string colourText(const Colour& c) { return fmt::format("#{:02x}{:02x}{:02x}", c.red, c.green, c.blue); }
-
 /** Where nearly everything is: segments far outside, as through windows, do not count. */
 Eigen::AlignedBox2d extentOf(const FloorPlan& plan, const std::vector<DrawnRun>& runs,
                              const std::vector<DrawnMarks>& marks) {
@@ -59,7 +57,7 @@ std::string runsOf(const FloorPlan& plan, const PlanScale& scale, const std::vec
       path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", p.x(), p.y());
     }
     svg += fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-opacity=".6"/>)", path,
-                       colourText(run.colour));
+                       run.colour.toString());
   }
   return svg;
 }
@@ -74,9 +72,9 @@ std::string marksOf(const FloorPlan& plan, const PlanScale& scale, const std::ve
       if (d.norm() > 0.1)
         svg += fmt::format(R"(<path d="M{:.1f} {:.1f}l{:.1f} {:.1f}" stroke="{}" stroke-width="2"/>)", p.x(),
                            p.y(), kNeedle * d.x() / d.norm(), -kNeedle * d.y() / d.norm(),
-                           colourText(mark.colour));
+                           mark.colour.toString());
       svg += fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="{}" fill="{}"/>)", p.x(), p.y(), kRadius,
-                         colourText(mark.colour));
+                         mark.colour.toString());
     }
   return svg;
 }
@@ -92,8 +90,8 @@ std::string scaleBarOf(const PlanScale& scale) {
 std::string legendOf(const std::vector<DrawnRun>& runs, const std::vector<DrawnMarks>& marks) {
   std::string html;
   const auto add = [&](const Colour& colour, const std::string& words) {
-    html += fmt::format("<span><i style=\"background:{}\"></i>{}</span> ", colourText(colour),
-                        htmlEscaped(words));
+    html +=
+        fmt::format("<span><i style=\"background:{}\"></i>{}</span> ", colour.toString(), htmlEscaped(words));
   };
   for (const DrawnMarks& mark : marks)
     if (!mark.T_w_c.empty()) add(mark.colour, fmt::format("{} ({})", mark.name, mark.T_w_c.size()));

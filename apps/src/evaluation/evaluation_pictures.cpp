@@ -295,9 +295,7 @@ Raster<std::uint8_t> contactSheet(const std::vector<Raster<std::uint8_t>>& pictu
   Page page(static_cast<int>(columns * (kWidth + kGap) + kGap), static_cast<int>(rows * cell + kGap));
   for (int i = 0; i < n; ++i) {
     const double left = kGap + (i % kColumns) * (kWidth + kGap), top = kGap / 2 + (i / kColumns) * cell;
-    TextStyle style;
-    style.bold = true;
-    page.text({left, top + kTitle / 2}, titles[i], style);
+    page.text({left, top + kTitle / 2}, titles[i], {17, true});
     const Box box = {left, top + kTitle, kWidth, kWidth * pictures[i].height / pictures[i].width};
     page.picture(box, pictures[i]);
     page.frame(box, {Colour(190, 190, 190), 1});
