@@ -132,14 +132,10 @@ void paintBorders(Raster<std::uint8_t>& picture, const LabelImage& labels,
     }
 }
 
-void paintBorders(Raster<std::uint8_t>& picture, const LabelImage& labels, const Colour& colour) {
-  paintBorders(picture, labels, std::vector<Colour>(static_cast<std::size_t>(labels.maxLabel()), colour));
-}
-
 Raster<std::uint8_t> overlay(const DepthImage& image, const LabelImage& labels) {
   constexpr Colour kGreen = {0, 220, 0};
   Raster<std::uint8_t> picture = greyDepth(image);
-  paintBorders(picture, labels, kGreen);
+  paintBorders(picture, labels, std::vector<Colour>(static_cast<std::size_t>(labels.maxLabel()), kGreen));
   return picture;
 }
 

@@ -24,9 +24,8 @@ struct GreyScale {
 /** \brief An RGB picture of a depth image, of its size. */
 Raster<std::uint8_t> greyDepth(const DepthImage& image, const GreyScale& scale = {});
 
-/** \brief Paints the outlines of segments over a picture of the same size as the labels. */
-void paintBorders(Raster<std::uint8_t>& picture, const LabelImage& labels, const Colour& colour);
-/** \brief The same with colours of label k at k - 1. */
+/** \brief Paints the outlines of segments over a picture of the same size as the labels.
+ * \param colours of label k at k - 1 */
 void paintBorders(Raster<std::uint8_t>& picture, const LabelImage& labels,
                   const std::vector<Colour>& colours);
 

@@ -34,16 +34,14 @@ void addImages(const DepthSequence& sequence, const Trajectory& poses, const Run
   if (!poses.empty()) making.setPosesByTime([&poses](double stamp) { return poses.interpolated(stamp); });
 }
 
-bool canBeReadAgain(const DepthSequence& sequence) {
-  return std::all_of(sequence.frames().begin(), sequence.frames().end(),
-                     [](const FrameFile& frame) { return std::filesystem::is_regular_file(frame.path); });
-}
-
 void checkRun(const DepthSequence& sequence, const Findings& read, MapMaking& making, bool in_any_case) {
   const auto isRefused = [&](const Findings& found) {
     return !in_any_case && firstOf(found, Severity::refusal) != nullptr;
   };
-  if (isRefused(read) || !canBeReadAgain(sequence)) return;
+  const bool can_be_read_again =  // unlike pipes
+      std::all_of(sequence.frames().begin(), sequence.frames().end(),
+                  [](const FrameFile& frame) { return std::filesystem::is_regular_file(frame.path); });
+  if (isRefused(read) || !can_be_read_again) return;
   making.checkGeometry();
   if (!isRefused(making.findings().list())) making.checkPoses();
 }

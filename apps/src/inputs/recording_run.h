@@ -30,9 +30,6 @@ MapImage mapImage(const DepthSequence& sequence, std::size_t index, int working_
 void addImages(const DepthSequence& sequence, const Trajectory& poses, const RunReading& how,
                MapMaking& making);
 
-/** \brief False for images that can be read once, such as pipes. */
-bool canBeReadAgain(const DepthSequence& sequence);
-
 /** \brief Tests the surfaces of a run's images, then their poses: making.findings(). Each test rests on those
  * before it, and is left out if they refuse the recording.
  * \param read findings of reading the sequence \param in_any_case refusals do not count */

@@ -9,7 +9,6 @@
 #include <facetloc/io/results.h>
 #include <facetloc/registration/hypothesis.h>
 
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -41,8 +40,5 @@ double medianOfKnown(std::vector<double> values);
 /** \brief If hardly any answer is sure, things to check: sentences that begin with the likeliest cause. Else
  * empty. \param views of the images, as far as they are known */
 Findings whatToLookAt(const StateCounts& counts, const std::vector<ViewTraits>& views, const Map& map);
-
-/** \brief The ranked poses as a table for people. */
-void printPoses(std::ostream& out, const std::vector<ResultRow>& rows);
 
 }  // namespace facetloc

@@ -58,11 +58,6 @@ std::vector<StampedPose> readPoses(const std::string& file, const DepthSequence&
 
 }  // namespace
 
-int reportUnread(const MapFindings& findings, const Console& console) {
-  for (const UnreadImage& image : findings.unread) console.error(image.cause);
-  return findings.unread.empty() ? kOk : kFailed;
-}
-
 std::string toString(const CameraTrajectory& trajectory) {
   return fmt::format("way {:.1f} m, {}, {} with places seen before, {}", trajectory.length(),
                      counted(trajectory.keyframes.size(), "keyframe"),
@@ -102,7 +97,8 @@ PosesByTime ImageTrajectory::odometry(const DepthSequence& sequence, const Camer
 
 int ImageTrajectory::report(const MapFindings& findings, const DepthSequence& sequence,
                             const Console& console) const {
-  const int code = reportUnread(findings, console);
+  for (const UnreadImage& image : findings.unread) console.error(image.cause);
+  const int code = findings.unread.empty() ? kOk : kFailed;
   if (findings.noneRead(sequence.frames().size()))
     throw IoError(sequence.frames().front().path.parent_path(), "none of its images can be read");
   if (findings.without_odometry > 0)

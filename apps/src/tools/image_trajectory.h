@@ -12,10 +12,6 @@
 
 namespace facetloc {
 
-/** \brief Lists the images that could not be read on console.err. \return kFailed if there are any, else
- * kOk. */
-int reportUnread(const MapFindings& findings, const Console& console);
-
 /** \brief An odometry, in the axes of the camera, interpolated between its poses: lines of JSON as
  * facetloc_live takes them (ROBOT.md), each with its stamp, or any file of poses, which are those of the
  * camera, or of its robot if the mounting is known; or a recording of messages. Empty for an empty name, with

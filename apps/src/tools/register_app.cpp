@@ -38,6 +38,26 @@ Map targetMap(const FrameFile& frame, const View& view) {
   return map;
 }
 
+std::string vectorText(const Eigen::Vector3d& v, int decimals) {
+  // Adding zero makes -0 positive.
+  return fmt::format("{0:.{3}f} {1:.{3}f} {2:.{3}f}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0, decimals);
+}
+
+/** The ranked poses as a table for people. */
+void printPoses(std::ostream& out, const std::vector<ResultRow>& rows) {
+  TextTable table({"rank", "probability", "score", "translation [m]", "rotation vector [deg]", "angle [deg]",
+                   "std [m]", "std [deg]", "remarks"});
+  table.setWordsLast();
+  for (const ResultRow& row : rows) {
+    const Eigen::Vector3d rotation = logSO3(row.T_m_c.linear()) / kDegree;
+    table.add({std::to_string(row.rank), text::decimals(row.probability, 4), text::decimals(row.score, 1),
+               vectorText(row.T_m_c.translation(), 3), vectorText(rotation, 2),
+               text::decimals(rotation.norm(), 2), text::decimals(row.sd_trans_m, 3),
+               text::decimals(row.sd_rot_deg, 2), row.reason});
+  }
+  out << table;
+}
+
 /** facetloc_register: the pose of one depth image relative to another. */
 class RegisterApp : public App {
 public:
