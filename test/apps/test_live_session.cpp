@@ -127,8 +127,7 @@ protected:
   /** Frame after frame through a grabber, each when the one before is done. */
   std::vector<LiveResultPtr> feed(LiveSession& session, int frames) {
     FakeGrabber grabber;
-    connectFrames(grabber, {}, countedStamps(30),
-                  [&](LiveFrame frame) { session.mailbox().put(std::move(frame)); });
+    connectFrames(grabber, {}, 30, [&](LiveFrame frame) { session.mailbox().put(std::move(frame)); });
     grabber.start();
     for (int i = 0; i < frames; ++i) {
       grabber.deliver(cloudOf(imageAt(i), 100 + i / 30.0));
@@ -326,14 +325,13 @@ TEST_F(LiveSessionTest, CanBeDestroyedAtAnyTime) {
 
 TEST(ConnectFrames, RefusesAGrabberWithoutDepth) {
   FakeGrabber grabber(false);
-  EXPECT_THROW(connectFrames(grabber, {}, countedStamps(30), [](LiveFrame) {}), std::runtime_error);
+  EXPECT_THROW(connectFrames(grabber, {}, 30, [](LiveFrame) {}), std::runtime_error);
 }
 
 TEST(ConnectFrames, CountsTimeWhereCloudsHaveNone) {
   FakeGrabber grabber;
   std::vector<double> stamps;
-  connectFrames(grabber, {}, countedStamps(10),
-                [&](const LiveFrame& frame) { stamps.push_back(frame.stamp); });
+  connectFrames(grabber, {}, 10, [&](const LiveFrame& frame) { stamps.push_back(frame.stamp); });
   for (int i = 0; i < 3; ++i) grabber.deliver(cloudOf(imageAt(0), 0));
   EXPECT_THAT(stamps, ElementsAre(0, 0.1, 0.2));
 }
@@ -343,12 +341,12 @@ TEST(ConnectFrames, TheGivenCameraGoesFirst) {
   LiveFrame last;
   Intrinsics twice = smallCamera();
   twice = {640, 480, 2 * twice.fx, 2 * twice.fy, 2 * twice.cx, 2 * twice.cy};
-  connectFrames(grabber, twice, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
+  connectFrames(grabber, twice, 30, [&](LiveFrame frame) { last = std::move(frame); });
   grabber.deliver(cloudOf(imageAt(0), 1));
   EXPECT_EQ(last.image().camera, smallCamera());
 
   FakeGrabber other;
-  connectFrames(other, Intrinsics{100, 100, 50, 50, 50, 50}, countedStamps(30),
+  connectFrames(other, Intrinsics{100, 100, 50, 50, 50, 50}, 30,
                 [&](LiveFrame frame) { last = std::move(frame); });
   other.deliver(cloudOf(imageAt(0), 1));
   EXPECT_THROW(last.image(), std::runtime_error) << "a calibration of another camera";
@@ -358,7 +356,7 @@ TEST(ConnectFrames, TheGivenCameraGoesFirst) {
 TEST(ConnectFrames, ImagesOfAWrongLengthAreRefused) {
   FakeCamera camera;
   LiveFrame last;
-  connectFrames(camera, {}, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
+  connectFrames(camera, {}, 30, [&](LiveFrame frame) { last = std::move(frame); });
   camera.deliver(std::vector<std::uint16_t>(12, 1500));
   EXPECT_THAT(last.image().depth, Each(1.5f));
   for (const std::size_t pixels : {0, 11, 13, 100000}) {
@@ -370,7 +368,7 @@ TEST(ConnectFrames, ImagesOfAWrongLengthAreRefused) {
 TEST(ConnectFrames, AnImageWithoutDepthIsNoError) {
   FakeGrabber grabber;
   LiveFrame last;
-  connectFrames(grabber, {}, countedStamps(30), [&](LiveFrame frame) { last = std::move(frame); });
+  connectFrames(grabber, {}, 30, [&](LiveFrame frame) { last = std::move(frame); });
   DepthImage blind = imageAt(0);
   blind.depth.assign(blind.depth.size(), 0.f);
   grabber.deliver(cloudOf(blind, 1));

@@ -3,18 +3,36 @@
 
 #include "drawing/colours.h"
 #include "drawing/plan_view.h"
-#include "inputs/seen_image.h"
 
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/png.h>
+#include <facetloc/segmentation/view_builder.h>
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
+
+/** \brief A depth image and its segments. */
+struct SeenImage {
+  std::string name;
+  DepthImage depth;   ///< at the working size
+  LabelImage labels;  ///< k = segment k - 1 of the view
+  View view;
+};
+
+/** \brief Segments an image of the working size. */
+inline SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& builder,
+                     const std::optional<Gravity>& gravity = {}) {
+  SeenImage image{name, std::move(depth), {}, {}};
+  image.view = builder.build(image.depth, gravity);
+  image.labels = builder.segmentation().labels;
+  return image;
+}
 
 // Pictures of results, PNG, written atomically; all need an X display (OffscreenDisplay). They
 // throw IoError for a file that cannot be written, std::invalid_argument for an image without pixels or with

@@ -27,13 +27,14 @@ std::string LiveMapState::toString() const {
       counted(static_cast<std::size_t>(loops), "loop"), counted(map->models.size(), "local model"));
 }
 
-LiveMapping::LiveMapping(const LiveMappingOptions& options)
-    : path_(options.map),
-      camera_(options.camera),
-      map_(options.trajectory, options.places),
-      database_(MapDatabase::create(options.map)) {
-  database_.setCamera(options.camera);
-  database_.setMeta("parameters", options.parameters);
+LiveMapping::LiveMapping(std::filesystem::path map, const Camera& camera, const MappingParams& trajectory,
+                         const MapBuilderParams& places, const std::string& parameters)
+    : path_(std::move(map)),
+      camera_(camera),
+      map_(trajectory, places),
+      database_(MapDatabase::create(path_)) {
+  database_.setCamera(camera);
+  database_.setMeta("parameters", parameters);
   database_.setMeta(kStateKey, kUnderWay);
   state_.map = std::make_shared<Map>();
 }

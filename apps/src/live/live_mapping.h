@@ -16,14 +16,6 @@
 
 namespace facetloc {
 
-struct LiveMappingOptions {
-  std::filesystem::path map;  ///< its file, which is not there yet
-  Camera camera;
-  MappingParams trajectory;
-  MapBuilderParams places;
-  std::string parameters;  ///< parameters recorded in the map's meta
-};
-
 /** \brief How far a map has come that is being made. */
 struct LiveMapState {
   std::optional<PoseWithCovariance> T_w_c;  ///< pose of the camera in the part; empty while unknown
@@ -44,9 +36,10 @@ struct LiveMapState {
  * with time; with new rooms grow keyframes (0.2 MB each) and local models. */
 class LiveMapping {
 public:
-  /** \brief Creates the file. Throws IoError. Its destructor ends the work under way, and leaves out
-   * finish(). */
-  explicit LiveMapping(const LiveMappingOptions& options);
+  /** \brief Creates the file. Throws IoError. The destructor ends the work under way, and leaves out
+   * finish(). \param map its file, which is not there yet \param parameters recorded in the map's meta */
+  LiveMapping(std::filesystem::path map, const Camera& camera, const MappingParams& trajectory,
+              const MapBuilderParams& places, const std::string& parameters);
 
   /** \brief The next image, its name, and, with odometry, the motion of the camera since the image
    * before. Throws any exception of the background thread. */

@@ -193,15 +193,11 @@ private:
   }
 
   void startMapping(const Camera& camera) {
-    LiveMappingOptions options;
-    options.map = options_.build;
-    options.camera = camera;
-    options.trajectory = algorithms_.mapping;
-    options.places = algorithms_.places;
-    options.parameters = fmt::format("width = {}\n", algorithms_.session.width) +
-                         toIni(camera.noise, "noise") + toIni(algorithms_.session.view) +
-                         toIni(options.trajectory, "mapping") + toIni(options.places, "map");
-    mapping_ = std::make_shared<LiveMapping>(options);
+    const std::string parameters = fmt::format("width = {}\n", algorithms_.session.width) +
+                                   toIni(camera.noise, "noise") + toIni(algorithms_.session.view) +
+                                   toIni(algorithms_.mapping, "mapping") + toIni(algorithms_.places, "map");
+    mapping_ = std::make_shared<LiveMapping>(options_.build, camera, algorithms_.mapping, algorithms_.places,
+                                             parameters);
   }
 
   /** Finishes the run when no frame comes any more. */

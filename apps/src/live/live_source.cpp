@@ -137,11 +137,7 @@ std::optional<CameraFile> givenCamera(const std::string& camera) {
 
 }  // namespace
 
-FrameStamps countedStamps(double rate) {
-  return [rate](std::uint64_t n) { return static_cast<double>(n) / rate; };
-}
-
-void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameStamps& stamps,
+void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, double rate,
                    const FrameSink& sink) {
   using OnPicture = void(const DevicePicture::Ptr&);
   if (grabber.providesCallback<FrameGrabber::OnFrame>()) {
@@ -160,7 +156,7 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
     grabber.registerCallback<OnCloud>([=](const Cloud::ConstPtr& cloud) {
       if (cloud->empty()) return;  // PCL could not read the file
       const std::uint64_t n = (*count)++, stamp = cloud->header.stamp;
-      sink({stamp ? kMicrosecond * static_cast<double>(stamp) : stamps(n),
+      sink({stamp ? kMicrosecond * static_cast<double>(stamp) : static_cast<double>(n) / rate,
             [convert, cloud] { return (*convert)(*cloud); }});
     });
   } else {
@@ -251,10 +247,7 @@ void LiveSource::start(const FrameSink& sink) {
   if (player_) return player_->start(sink);
   std::optional<Intrinsics> intrinsics = calibration_;
   if (camera_ && camera_->camera.intrinsics.valid()) intrinsics = camera_->camera.intrinsics;
-  if (lens_camera_)
-    connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), corrected(*lens_camera_, sink));
-  else
-    connectFrames(*grabber_, intrinsics, countedStamps(kUsualRate), sink);
+  connectFrames(*grabber_, intrinsics, kUsualRate, lens_camera_ ? corrected(*lens_camera_, sink) : sink);
   if (!device_ && !frames_)
     grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {
       ++delivered_;

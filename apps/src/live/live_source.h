@@ -31,17 +31,12 @@ struct LiveFrame {
 };
 using FrameSink = std::function<void(LiveFrame)>;
 
-/** \brief The time stamp [s] of the n-th frame, from 0, of a grabber whose clouds have none. */
-using FrameStamps = std::function<double(std::uint64_t n)>;
-/** \brief Those of a steady rate [Hz]. */
-FrameStamps countedStamps(double rate);
-
 /** \brief Makes a grabber hand its frames to a sink: depth images if it has them (they cost nothing), else
  * clouds of PointXYZ. The sink is called by a thread of the grabber and must not wait. To be called before
  * start().
- * \param camera intrinsics of the full image, which go before those of the frames.
- * Throws std::runtime_error for a grabber that has neither. */
-void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameStamps& stamps,
+ * \param camera intrinsics of the full image, which go before those of the frames. \param rate of clouds
+ * without time stamps [Hz]. Throws std::runtime_error for a grabber that has neither. */
+void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, double rate,
                    const FrameSink& sink);
 
 /** \brief The device or recording to play, and how. */
