@@ -131,7 +131,7 @@ private:
     bool required = true;
   };
 
-  /** Of bool, int, double, std::string, or a list of strings. */
+  /** For bool, int, double, std::string, and lists of strings. */
   template <class T>
   static Semantic* bound(T& value, const std::string& value_name);
   void add(Options& group, const std::string& name, Semantic* semantic, const std::string& help,

@@ -14,7 +14,7 @@ namespace facetloc {
 struct Sample {
   std::vector<double> values;
   double mean = 0;
-  double std = 0;  ///< by n - 1
+  double std = 0;  ///< the divisor is n - 1
   double rmse = 0;
   double median = 0;  ///< the mean of the middle two of an even number
   double max = 0;
