@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "browser.h"
 #include "drawing/html_text.h"
-#include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
 #include "evaluation/verdict.h"
 #include "tool_runner.h"
@@ -9,6 +8,7 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
+#include <json/value.h>
 
 namespace facetloc::test {
 namespace {
@@ -131,7 +131,7 @@ TEST_F(EvaluationHtml, HasEveryTableOfTheText) {
   const std::string html = contentOf(folder_ / "report.html");
   EXPECT_EQ(faultOf(html), "");
   EXPECT_THAT(withoutScripts(html), Not(HasSubstr("://")));
-  const auto tables = reportTables(report.evaluation, report.summaries, report.timing, false);
+  const auto tables = reportTables(report);
   EXPECT_EQ(tables.size(), 8u);
   for (const ReportTable& t : tables) {
     EXPECT_THAT(html, HasSubstr("<caption>" + htmlEscaped(t.title) + "</caption>"));

@@ -3,7 +3,6 @@
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "drawing/offscreen_display.h"
-#include "evaluation/evaluation_charts.h"
 #include "evaluation/evaluation_pictures.h"
 #include "evaluation/evaluation_report.h"
 #include "evaluation/start_curves.h"
@@ -176,6 +175,8 @@ private:
       return std::all_of(input.runs.begin(), input.runs.end(), holds);
     };
     report.as_drive = all([](const RunResults& run) { return run.as_drive; });
+    for (const RunResults& run : input.runs)
+      report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
     if (!input.map) return report;
     requireSameMap(input.runs, *input.map, map_);
     const auto images = input.map->meta.find(kImagesKey);
@@ -199,8 +200,6 @@ private:
     if (true_models.empty() && (!input.map || modelPoses(input.map).empty()))
       requireWorldPoses(input.runs, input.map);
     report.summaries = summarizeSets(report.evaluation);
-    for (const RunResults& run : input.runs)
-      report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
     return report;
   }
 
@@ -278,10 +277,12 @@ private:
     EvaluationReport report = begunReport(input);
     report.evaluation = withoutTruth(input.runs);
     if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
-    for (const RunResults& run : input.runs)
-      report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
     begin(folder_, overwrite_);
     writeHtmlReport(folder_, report, figuresOf(report, input, console));
+    return conclude(report, console);
+  }
+
+  int conclude(const EvaluationReport& report, const Console& console) const {
     printFindings(console.out, report.findings);
     printVerdict(console.out, verdictOf(report));
     console.out << "\nevaluation in " << folder_ << "\n";
@@ -314,10 +315,7 @@ private:
     printReport(console.out, report);  // last, for who reads it may stop doing so
     printStartCurves(console.out, input.starts);
     console.out << "\n";
-    printFindings(console.out, report.findings);
-    printVerdict(console.out, verdictOf(report));
-    console.out << "\nevaluation in " << folder_ << "\n";
-    return kOk;
+    return conclude(report, console);
   }
 
   std::string results_, truth_, folder_, map_, map_truth_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/evaluation_charts.h"
-
 #include "drawing/pictures.h"
+#include "evaluation/evaluation_report.h"
 #include "evaluation/verdict.h"
 
 #include <cmath>
 #include <initializer_list>
+#include <json/value.h>
 
 namespace facetloc {
 namespace {

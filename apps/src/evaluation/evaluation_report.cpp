@@ -141,9 +141,7 @@ std::vector<std::string> reportPreface(const EvaluationReport& report) {
 
 void printReport(std::ostream& out, const EvaluationReport& report) {
   for (const std::string& line : reportPreface(report)) out << line << "\n";
-  for (const ReportTable& t :
-       reportTables(report.evaluation, report.summaries, report.timing, report.beside_paper))
-    out << "\n" << t.title << "\n" << t.table;
+  for (const ReportTable& t : reportTables(report)) out << "\n" << t.title << "\n" << t.table;
 }
 
 void writeReport(const std::filesystem::path& folder, const EvaluationReport& report) {

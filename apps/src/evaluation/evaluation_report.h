@@ -14,6 +14,10 @@
 #include <string>
 #include <vector>
 
+namespace Json {
+class Value;
+}
+
 namespace facetloc {
 
 /** \brief Summaries of all frames and, as far as there are any, of the map images (of a single run), the new
@@ -28,11 +32,6 @@ struct ReportTable {
   std::string title;
   TextTable table;
 };
-/** \brief Tables I and II beside the paper's figures, and further ones.
- * \param timing may be empty \param beside_paper else the paper's figures and the numbers of its tables are
- * left out */
-std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
-                                      const std::vector<TimingRow>& timing, bool beside_paper);
 /** \brief The frames that miss, and why as far as the data tell; the last column holds words. */
 std::vector<ReportTable> missTables(const Evaluation& evaluation, bool relative);
 
@@ -64,6 +63,9 @@ struct EvaluationReport {
 
   bool isJudged() const { return !truth.empty(); }
 };
+
+/** \brief Tables I and II, beside the paper's figures if the report has them, and further ones. */
+std::vector<ReportTable> reportTables(const EvaluationReport& report);
 
 /** \brief The results judged and the rules applied, in sentences. */
 std::vector<std::string> reportPreface(const EvaluationReport& report);
@@ -110,6 +112,24 @@ void writeReport(const std::filesystem::path& folder, const TrajectoryReport& re
 
 /** \brief Writes report.html, atomically: everything in one file. Throws IoError. */
 void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport& report);
+
+// The data of the charts of reports, which apps/pages/report.js draws. Rows are arrays of numbers. Each
+// comment below lists the names of a row's numbers in their order.
+
+/** \brief The charts of an evaluation; null without data.
+ *
+ * reliability: images, brier, enough (images of a bin that says something), bins (lowest, highest, images,
+ * mean probability, share correct). position, orientation: limit, marks (99 % bounds by name), sets (name,
+ * ascending errors of first correct hypotheses). planes, distance: mean, images, correct, correct at rank 1.
+ * starts by images, metres: since the start, starts, sure, right. */
+Json::Value chartData(const EvaluationReport& report, const std::vector<StartCurve>& starts);
+/** \brief The charts of a trajectory. plan: true, estimated (to the right, to the top [m]). errors: true
+ * distance [m], position [mm], orientation [deg]. */
+Json::Value chartData(const TrajectoryErrors& errors);
+
+/** \brief Draws a trajectory and the true one from above into a PNG, atomically. Needs an X display
+ * (OffscreenDisplay). Throws IoError. */
+void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors& errors);
 
 /** \brief "rotated by 12.30 deg, moved by (1.000, 2.000, 3.000) m". */
 std::string motionText(const Eigen::Isometry3d& T);

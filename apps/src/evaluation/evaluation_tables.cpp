@@ -252,25 +252,25 @@ const Summary& newImages(const std::vector<Summary>& summaries) {
   return found == summaries.end() ? summaries.front() : *found;
 }
 
-std::vector<ReportTable> reportTables(const Evaluation& evaluation, const std::vector<Summary>& summaries,
-                                      const std::vector<TimingRow>& timing, bool beside_paper) {
+std::vector<ReportTable> reportTables(const EvaluationReport& report) {
+  const bool beside_paper = report.beside_paper;
   const auto titled = [&](const char* number, const char* title) {
     return (beside_paper ? number : "") + std::string(title);
   };
   const auto table = [&](const std::string& title, const char* name) {
-    return quantityTable(title, name, summaries, beside_paper);
+    return quantityTable(title, name, report.summaries, beside_paper);
   };
   std::vector<ReportTable> tables = {
       table(titled("TABLE I. ", "GLOBAL LOCALIZATION RESULTS (number of images)"), "I"),
       table(titled("TABLE II. ", "POSE ERROR AND INDEX OF THE FIRST CORRECT HYPOTHESIS"), "II"),
       table("STATES OF THE ANSWERS (number of images)", "states"),
       table(beside_paper ? "BEYOND THE PAPER" : "PROBABILITIES AND COVARIANCES", "beyond"),
-      reliabilityTable(summaries)};
-  const std::vector<FrameEvaluation> frames = framesInQuestion(evaluation);
+      reliabilityTable(report.summaries)};
+  const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
   addErrorTable("ERRORS BY THE NUMBER OF VISIBLE PLANES", "planes", errorsByVisiblePlanes(frames), tables);
   addErrorTable("ERRORS BY THE DISTANCE TO THE NEAREST LOCAL MODEL", "distance [m]", errorsByDistance(frames),
                 tables);
-  addTimeTable(stageTimes(timing), tables);
+  addTimeTable(stageTimes(report.timing), tables);
   return tables;
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
-#include "evaluation/evaluation_charts.h"
+#include "evaluation/evaluation_report.h"
 #include "evaluation/html_report.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/io/atomic_file.h>
 
 #include <fmt/format.h>
+#include <json/value.h>
 
 namespace facetloc {
 namespace {

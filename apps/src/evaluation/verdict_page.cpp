@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/text.h"
-#include "evaluation/evaluation_charts.h"
 #include "evaluation/html_report.h"
 #include "evaluation/verdict.h"
 
 #include <facetloc/io/atomic_file.h>
 
 #include <fmt/format.h>
+#include <json/value.h>
 
 namespace facetloc {
 namespace {
@@ -61,9 +61,7 @@ void addMisses(const EvaluationReport& report, const std::vector<ReportPicture>&
 void addTables(const EvaluationReport& report, HtmlPage& page) {
   page.heading("Tables");
   page.beginFolded(report.beside_paper ? "All figures, beside those of the paper" : "All figures");
-  for (const ReportTable& t :
-       reportTables(report.evaluation, report.summaries, report.timing, report.beside_paper))
-    page.table(t.title, t.table);
+  for (const ReportTable& t : reportTables(report)) page.table(t.title, t.table);
   page.end();
   page.beginFolded("How it was judged");
   for (const std::string& line : reportPreface(report)) page.paragraph(line);
