@@ -31,22 +31,65 @@ struct LiveResult {
   std::uint64_t dropped = 0;   ///< received frames that were not processed
 
   /** \brief "tracking", "cannot tell", ...; "mapping"; "segmenting" without a map. */
-  std::string state() const;
+  std::string state() const {
+    return mapped ? "mapping" : answer ? stateName(answer->tracking) : "segmenting";
+  }
+
   /** \brief Why there is no pose, or no certain one. */
-  std::string reason() const;
+  std::string reason() const {
+    if (mapped && !mapped->T_w_c) return "nothing known leads from the rest of the map to this place";
+    return answer ? answer->reason : std::string();
+  }
+
   /** \brief The reason; if empty, the progress of the map that is being made. */
-  std::string remark() const;
-  /** \brief Its local model and the pose relative to it, if there is one. */
-  const Hypothesis* match() const;
+  std::string remark() const {
+    const std::string why = reason();
+    return why.empty() && mapped ? mapped->toString() : why;
+  }
+
+  /** \brief Its local model and the pose relative to it; null without a place, and where the place is carried
+   * on since no local model shows anything of the view. */
+  const Hypothesis* match() const {
+    const bool is_known =
+        answer && answer->tracking != TrackingState::searching && answer->tracking != TrackingState::lost;
+    const bool has_match =
+        is_known && !answer->hypotheses.empty() && !answer->hypotheses.front().pairs.empty();
+    return has_match ? &answer->hypotheses.front() : nullptr;
+  }
+
   /** \brief The world pose, be it certain or not, if there is one. */
-  const PoseWithCovariance* pose() const;
+  const PoseWithCovariance* pose() const {
+    if (mapped) return mapped->T_w_c ? &*mapped->T_w_c : nullptr;
+    return answer && answer->T_w_c ? &*answer->T_w_c : nullptr;
+  }
+
   /** \brief Part of the map that the pose is in. */
   int part() const { return answer && answer->T_w_c ? answer->hypotheses.front().part : 0; }
   /** \brief Is the pose one to rely on? */
-  bool isLocalized() const;
+  bool isLocalized() const {
+    if (mapped) return mapped->T_w_c.has_value();
+    return answer && answer->state == AnswerState::sure;
+  }
 };
 using LiveResultPtr = std::shared_ptr<const LiveResult>;
 
-Colour stateColour(const LiveResult& result);
+inline Colour stateColour(const LiveResult& result) {
+  constexpr Colour kNoMap = {90, 90, 90}, kMapping = {0, 115, 125}, kNoPlace = {185, 100, 0};
+  if (result.mapped) return result.isLocalized() ? kMapping : kNoPlace;
+  if (!result.answer) return kNoMap;
+  switch (result.answer->tracking) {
+  case TrackingState::searching:
+    return {110, 90, 160};
+  case TrackingState::localized:
+    return {20, 100, 180};
+  case TrackingState::tracking:
+    return {20, 130, 60};
+  case TrackingState::degenerate:
+    return {185, 100, 0};
+  case TrackingState::lost:
+    return {190, 35, 35};
+  }
+  return kNoMap;
+}
 
 }  // namespace facetloc
