@@ -94,7 +94,7 @@ private:
         if (!length) return false;
         if (*head > kLongestHeader) throw BadMessage("claims too much");
         const Bytes header = bytesAt(place + 4, *head);
-        const Fields fields({header.data(), header.size()});
+        const Fields fields(header);
         const std::uint64_t begin = place + 8 + *head, left = size() - begin;
         const bool whole = *length <= left;
         const auto op = fields.number<std::uint8_t>("op");
@@ -106,7 +106,7 @@ private:
         if (op == kConnection && whole) {
           if (*length > kLongestDeclaration) throw BadMessage("claims too much");
           const Bytes data = bytesAt(begin, *length);
-          declare(fields, {data.data(), data.size()});
+          declare(fields, data);
         }
         if (!whole) return false;
         place = begin + *length;
@@ -123,7 +123,7 @@ private:
                                            whole, 0, "rosbag compress");
     if (!records) return;
     try {
-      readRecords({records->data(), records->size()}, index);
+      readRecords(*records, index);
     } catch (const BadMessage&) {
       if (whole) throw;
     }

@@ -57,7 +57,7 @@ std::shared_ptr<const Bytes> ChunkedFile::unpacked(std::size_t index) const {
   if (chunk.packed > kLargestMessage) throw IoError(path().string(), "has a chunk that is too large");
   const Bytes packed = bytesAt(chunk.begin, chunk.packed);
   auto bytes = std::make_shared<const Bytes>(
-      unpackedChunk({packed.data(), packed.size()}, chunk.compression, chunk.unpacked, path().string()));
+      unpackedChunk(packed, chunk.compression, chunk.unpacked, path().string()));
   const std::lock_guard lock(mutex_);
   kept_.emplace_back(index, bytes);
   std::size_t total = 0;

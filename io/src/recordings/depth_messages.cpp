@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/depth_messages.h"
 
-#include "base/text.h"
-
 #include <facetloc/io/error.h>
 
 #include <cmath>
@@ -24,11 +22,6 @@ std::size_t pixelSize(const std::string& encoding) {
 }
 
 float measured(float z) { return std::isfinite(z) && z > 0 ? z : 0; }
-
-StoredDepth readPngValues(ByteView bytes, const std::string& name) {
-  constexpr int kBits = 16;
-  return storedIn(readGreyPng(bytes.data, bytes.size, name, kBits));
-}
 
 bool isPngData(ByteView bytes) {
   constexpr char kBegin[] = "\x89PNG";
@@ -141,6 +134,11 @@ StoredDepth readDepth(const CompressedImageMessage& image, const std::string& na
     values.metres.push_back(v > 0 ? measured(a / (static_cast<float>(v) - b)) : 0.f);
   values.numbers.clear();
   return values;
+}
+
+StoredDepth readPngValues(ByteView bytes, const std::string& name) {
+  constexpr int kBits = 16;
+  return storedIn(readGreyPng(bytes.data, bytes.size, name, kBits));
 }
 
 DepthImage depthImageOf(StoredDepth values, double scale) {

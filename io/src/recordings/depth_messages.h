@@ -34,6 +34,9 @@ StoredDepth readDepth(const ImageMessage& image, const std::string& name);
  * Throws IoError. \param name in errors */
 StoredDepth readDepth(const CompressedImageMessage& image, const std::string& name);
 
+/** \brief A grey PNG of 16 bits. Throws IoError. \param name in errors */
+StoredDepth readPngValues(ByteView bytes, const std::string& name);
+
 /** \brief The image of values, with the size that it has and no intrinsics; numbers by the scale [1/m], 0 and
  * 65535 of which are not measured. */
 DepthImage depthImageOf(StoredDepth values, double scale);

@@ -109,7 +109,7 @@ private:
     Bytes bytes(opcode == kMessage ? std::min<std::uint64_t>(size, kMessageHead) : size);
     if (!readAt(begin, bytes.data(), bytes.size())) throw IoError(path().string(), "cannot be read");
     has_unchunked_ = has_unchunked_ || opcode == kMessage;
-    note(opcode, {bytes.data(), bytes.size()}, kUnchunked, place);
+    note(opcode, bytes, kUnchunked, place);
   }
 
   /** Schemas, channels and messages, wherever they are. */
@@ -142,7 +142,7 @@ private:
     constexpr std::uint64_t kLongestHead = 1 << 10;
     Bytes bytes(std::min(size, kLongestHead));
     if (!readAt(begin, bytes.data(), bytes.size())) throw IoError(path().string(), "cannot be read");
-    MessageReader head({bytes.data(), bytes.size()}, WireFormat::ros1);
+    MessageReader head(bytes, WireFormat::ros1);
     ChunkPlace chunk;
     std::uint32_t expected = 0;
     try {

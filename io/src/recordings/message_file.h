@@ -112,7 +112,7 @@ public:
     const Bytes bytes = logged.file->read(logged.entry);
     const MessageTopic& topic = logged.file->topics()[logged.entry.topic];
     try {
-      MessageReader reader({bytes.data(), bytes.size()}, topic.format);
+      MessageReader reader(bytes, topic.format);
       use(Message::read(reader));
     } catch (const BadMessage& e) {
       throw IoError(logged.file->path().string(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "bytes/files.h"
+#include "recordings/ros_messages.h"
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
@@ -10,7 +11,6 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <optional>
-#include <stdexcept>
 
 namespace facetloc {
 namespace {
@@ -23,6 +23,7 @@ constexpr std::size_t kOldRecordHeader = 24;  // ... and an offset, which was of
 constexpr std::uint32_t kMostFields = 1u << 20;
 constexpr std::uint32_t kMostData = 1u << 28;
 constexpr int kMostPixels = 1 << 24;
+constexpr auto kPacked = internal::WireFormat::ros1;  // numbers as in messages of ROS 1
 
 enum RecordType : std::uint32_t {
   kNodeAdded4 = 0x02,  // found in versions 1.0.0.4 ...
@@ -42,35 +43,13 @@ struct RecordHeader {
   std::uint32_t mark, type, node, fields, data;
 };
 
-/** A record's fields, taken one after the other. */
-class Fields {
-public:
-  explicit Fields(std::vector<std::uint8_t> bytes) : bytes_(std::move(bytes)) {}
-
-  template <typename T>
-  T take() {
-    T value;
-    if (bytes_.size() - next_ < sizeof value) throw std::length_error("fields");
-    std::memcpy(&value, bytes_.data() + next_, sizeof value);
-    next_ += sizeof value;
-    return value;
-  }
-  /** Stored with its length and a zero at its end. Of ASCII: OpenNI2 crashes on a name that is not. */
-  std::string takeName() {
-    const auto length = take<std::uint32_t>();
-    if (bytes_.size() - next_ < length) throw std::length_error("fields");
-    const auto* text = reinterpret_cast<const char*>(bytes_.data() + next_);
-    next_ += length;
-    const std::string name(text, strnlen(text, length));
-    if (std::any_of(name.begin(), name.end(), [](char c) { return (c & 0x80) != 0; }))
-      throw std::domain_error("name");
-    return name;
-  }
-
-private:
-  std::vector<std::uint8_t> bytes_;
-  std::size_t next_ = 0;
-};
+/** Stored with a zero at its end. Of ASCII: OpenNI2 crashes on a name that is not. */
+std::string nameIn(internal::MessageReader& fields) {
+  const std::string name = fields.text();
+  if (std::any_of(name.begin(), name.end(), [](char c) { return (c & 0x80) != 0; }))
+    throw internal::BadMessage("has a name that is not ASCII");
+  return name;
+}
 
 struct Corrupt : std::exception {};
 
@@ -198,10 +177,11 @@ private:
 
   void readFileHeader() {
     if (size_ < kFileHeader) fail("is no .oni recording");
-    Fields header(readBytes(file_.get(), 0, kFileHeader, path_));
-    if (header.take<std::uint32_t>() != 0x3031494E) fail("is no .oni recording");  // "NI10"
-    const int major = header.take<std::uint8_t>(), minor = header.take<std::uint8_t>();
-    const int maintenance = header.take<std::uint16_t>();
+    const internal::Bytes bytes = readBytes(file_.get(), 0, kFileHeader, path_);
+    internal::MessageReader header(bytes, kPacked);
+    if (header.number<std::uint32_t>() != 0x3031494E) fail("is no .oni recording");  // "NI10"
+    const int major = header.number<std::uint8_t>(), minor = header.number<std::uint8_t>();
+    const int maintenance = header.number<std::uint16_t>();
     if (major != 1 || minor != 0) fail("is of an unknown version of the .oni format");
     header_size_ = maintenance >= 1 ? kRecordHeader : kOldRecordHeader;
     position_ = kFileHeader;
@@ -211,7 +191,8 @@ private:
   void readRecord() {
     ends_early_ = position_ + header_size_ > size_;
     if (ends_early_) return;
-    const auto header = Fields(readBytes(file_.get(), position_, header_size_, path_)).take<RecordHeader>();
+    RecordHeader header;
+    std::memcpy(&header, readBytes(file_.get(), position_, header_size_, path_).data(), sizeof header);
     ends_early_ = header.mark == 0 && onlyZerosFrom(position_);  // room that the file system had made
     if (ends_early_) return;
     const bool sound = header.mark == kRecordMark && header.fields >= header_size_ &&
@@ -221,7 +202,7 @@ private:
     if (ends_early_) return;
     try {
       readFields(header);
-    } catch (const std::logic_error&) {
+    } catch (const internal::BadMessage&) {
       fail(fmt::format("is corrupt at byte {}", position_));
     }
     position_ += header.fields + header.data;
@@ -239,33 +220,33 @@ private:
   }
 
   void readFields(const RecordHeader& header) {
-    const auto fields = [&] {
-      return Fields(readBytes(file_.get(), position_ + header_size_, header.fields - header_size_, path_));
-    };
+    const internal::Bytes bytes =
+        readBytes(file_.get(), position_ + header_size_, header.fields - header_size_, path_);
+    internal::MessageReader fields(bytes, kPacked);
     switch (header.type) {
     case kNodeAdded4:
     case kNodeAdded5:
     case kNodeAdded:
-      return addNode(header.node, fields());
+      return addNode(header.node, fields);
     case kRealProperty:
     case kTextProperty:
-      fields().takeName();
+      nameIn(fields);
       return;
     case kIntProperty:
     case kGeneralProperty:
-      return setProperty(header.node, fields());
+      return setProperty(header.node, fields);
     case kNewData:
-      if (depth_ == header.node) addFrame(header, fields());
+      if (depth_ == header.node) addFrame(header, fields);
       return;
     default:
       return;
     }
   }
 
-  void addNode(std::uint32_t node, Fields fields) {
-    fields.takeName();
-    const auto type = fields.take<std::uint32_t>();
-    const auto codec = fields.take<std::uint32_t>();
+  void addNode(std::uint32_t node, internal::MessageReader& fields) {
+    nameIn(fields);
+    const auto type = fields.number<std::uint32_t>();
+    const auto codec = fields.number<std::uint32_t>();
     if (type != kDepthNode || depth_) return;
     depth_ = node;
     char name[5] = {};
@@ -280,29 +261,29 @@ private:
       fail("has depth of an unknown coding " + text::quoted(name));
   }
 
-  void setProperty(std::uint32_t node, Fields fields) {
-    const std::string name = fields.takeName();
+  void setProperty(std::uint32_t node, internal::MessageReader& fields) {
+    const std::string name = nameIn(fields);
     if (node != depth_) return;
-    const auto size = fields.take<std::uint32_t>();
+    const auto size = fields.number<std::uint32_t>();
     if (name == "xnMirror" && size == sizeof(std::uint64_t)) {
-      out_.mirrored_ = fields.take<std::uint64_t>() != 0;
+      out_.mirrored_ = fields.number<std::uint64_t>() != 0;
     } else if (name == "oniPixelFormat" && size == sizeof(std::uint64_t)) {
-      const auto format = fields.take<std::uint64_t>();
+      const auto format = fields.number<std::uint64_t>();
       if (format != kMillimetres && format != kTenths) fail("has depth in an unknown unit");
       setOnce(out_.millimetres_, format == kTenths ? 0.1 : 1.0, "unit");
     } else if (name == "xnMapOutputMode" && size == 3 * sizeof(std::uint32_t)) {
-      const auto width = fields.take<std::uint32_t>(), height = fields.take<std::uint32_t>();
-      const auto rate = fields.take<std::uint32_t>();
+      const auto width = fields.number<std::uint32_t>(), height = fields.number<std::uint32_t>();
+      const auto rate = fields.number<std::uint32_t>();
       if (width < 1 || height < 1 || std::uint64_t(width) * height > kMostPixels)
         fail("has depth of an impossible size");
       setOnce(out_.camera_.width, static_cast<int>(width), "size");
       setOnce(out_.camera_.height, static_cast<int>(height), "size");
       out_.rate_ = static_cast<int>(std::min(rate, 1000u));
     } else if (name == "xnFOV" && size == 2 * sizeof(double)) {
-      horizontal_ = fields.take<double>();
-      vertical_ = fields.take<double>();
+      horizontal_ = fields.number<double>();
+      vertical_ = fields.number<double>();
     } else if (name == "xnCropping" && size == 6 * sizeof(std::uint16_t)) {
-      if (fields.take<std::uint16_t>() != 0) fail("has depth that is cropped");
+      if (fields.number<std::uint16_t>() != 0) fail("has depth that is cropped");
     }
   }
 
@@ -312,8 +293,8 @@ private:
     value = is;
   }
 
-  void addFrame(const RecordHeader& header, Fields fields) {
-    const auto stamp = fields.take<std::uint64_t>();
+  void addFrame(const RecordHeader& header, internal::MessageReader& fields) {
+    const auto stamp = fields.number<std::uint64_t>();
     out_.frames_.push_back({stamp, position_ + header.fields, header.data});
   }
 

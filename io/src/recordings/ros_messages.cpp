@@ -8,11 +8,6 @@
 namespace facetloc::internal {
 namespace {
 
-template <std::size_t N>
-void readReals(MessageReader& message, std::array<double, N>& values) {
-  for (double& value : values) value = message.number<double>();
-}
-
 /** CDR2, D_CDR2 and PL_CDR2 of OMG's DDS-XTypes 7.6.3.1.2, of both byte orders. */
 bool isXcdr2(const std::uint8_t* kind) { return kind[0] == 0 && kind[1] >= 6 && kind[1] <= 11; }
 
@@ -99,9 +94,9 @@ CameraInfoMessage CameraInfoMessage::read(MessageReader& message) {
   info.width = message.number<std::uint32_t>();
   info.distortion_model = message.text();
   info.D = message.reals();
-  readReals(message, info.K);
+  info.K = message.reals<9>();
   message.skip<double>(9);  // R, of a stereo camera's rectification
-  readReals(message, info.P);
+  info.P = message.reals<12>();
   if (message.atEnd()) return info;  // as some writers end it
   for (std::uint32_t& side : info.binning) side = std::max(message.number<std::uint32_t>(), 1u);
   for (std::uint32_t& side : info.roi) side = message.number<std::uint32_t>();
@@ -131,7 +126,7 @@ OdometryMessage OdometryMessage::read(MessageReader& message) {
   OdometryMessage odometry;
   odometry.header = readHeader(message);
   odometry.child_frame = message.text();
-  readReals(message, odometry.pose);
+  odometry.pose = message.reals<7>();
   message.skip<double>(36 + 6 + 36);  // covariances and twist, which a message that is cut off lacks
   return odometry;
 }
@@ -144,7 +139,7 @@ TransformsMessage TransformsMessage::read(MessageReader& message) {
     transform.child_frame = message.text();
     if (!transform.child_frame.empty() && transform.child_frame.front() == '/')
       transform.child_frame.erase(0, 1);
-    readReals(message, transform.pose);
+    transform.pose = message.reals<7>();
     tf.transforms.push_back(std::move(transform));
   }
   return tf;

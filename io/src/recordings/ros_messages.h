@@ -23,6 +23,10 @@ using Bytes = std::vector<std::uint8_t>;
 
 /** \brief Bytes that somebody else owns. */
 struct ByteView {
+  ByteView() = default;
+  ByteView(const std::uint8_t* begin, std::size_t n) : data(begin), size(n) {}
+  ByteView(const Bytes& bytes) : data(bytes.data()), size(bytes.size()) {}
+
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
 };
@@ -67,6 +71,13 @@ public:
   ByteView bytes();
   /** \brief A sequence of doubles. */
   std::vector<double> reals();
+  /** \brief Doubles of a fixed number. */
+  template <std::size_t N>
+  std::array<double, N> reals() {
+    std::array<double, N> values;
+    for (double& value : values) value = number<double>();
+    return values;
+  }
   /** \brief Passes over n numbers of a type. */
   template <typename Number>
   void skip(std::size_t n) {

@@ -33,8 +33,8 @@ public:
       sqlite::Statement row(db_, fmt::format("SELECT data FROM messages WHERE rowid = {}", entry.place));
       if (!row.step()) throw sqlite::BadCell("a message has been deleted since the file was opened");
       Bytes data = row.blob();
-      return isZstd({data.data(), data.size()})  // rosbag2's separate compression of each message
-                 ? unpackZstd({data.data(), data.size()}, kLargestMessage, path().string())
+      return isZstd(data)  // rosbag2's separate compression of each message
+                 ? unpackZstd(data, kLargestMessage, path().string())
                  : data;
     });
   }

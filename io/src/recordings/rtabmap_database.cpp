@@ -60,13 +60,6 @@ std::vector<Number> unpacked(ByteView packed, const std::string& name) {
   return numbers;
 }
 
-template <std::size_t N>
-std::array<double, N> reals(MessageReader& fields) {
-  std::array<double, N> values;
-  for (double& value : values) value = fields.number<double>();
-  return values;
-}
-
 RtabmapCamera cameraOf(MessageReader& fields) {
   fields.skip<std::int32_t>(3);  // version
   if (fields.number<std::int32_t>() != 0) throw BadMessage("is a stereo camera's, whose depth is not stored");
@@ -79,12 +72,12 @@ RtabmapCamera cameraOf(MessageReader& fields) {
       (sizes[4] != 0 && sizes[4] != static_cast<std::int32_t>(kPoseNumbers)))
     throw BadMessage("is corrupt, or was written by a version before 0.12");
   if (sizes[0] > 0) {
-    const auto K = reals<9>(fields);
+    const auto K = fields.reals<9>();
     k.fx = K[0], k.fy = K[4], k.cx = K[2], k.cy = K[5];
   }
   fields.skip<double>(static_cast<std::size_t>(sizes[1]) + static_cast<std::size_t>(sizes[2]));
   if (sizes[3] > 0) {  // its images are rectified
-    const auto P = reals<12>(fields);
+    const auto P = fields.reals<12>();
     if (P[0] > 0) k.fx = P[0], k.fy = P[5], k.cx = P[2], k.cy = P[6];
   }
   if (!k.valid()) throw BadMessage("has no intrinsics");
@@ -136,10 +129,7 @@ StoredDepth readRtabmapDepth(ByteView bytes, const std::string& name) {
   constexpr std::size_t kRvlSize = sizeof kRvl - 1;
   if (bytes.size > kRvlSize && std::memcmp(bytes.data, kRvl, kRvlSize) == 0)
     return readRvl({bytes.data + kRvlSize, bytes.size - kRvlSize}, name);
-  if (!isRgbaPng(bytes.data, bytes.size)) {
-    constexpr int kBits = 16;
-    return storedIn(readGreyPng(bytes.data, bytes.size, name, kBits));
-  }
+  if (!isRgbaPng(bytes.data, bytes.size)) return readPngValues(bytes, name);
   const Raster<std::uint8_t> raster = readRgbaPng(bytes.data, bytes.size, name);
   StoredDepth image{raster.width, raster.height, {}, {}};
   image.metres.resize(raster.data.size() / sizeof(float));
@@ -158,8 +148,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMillimetres = 1000;  // values per metre
-
-ByteView viewOf(const sqlite::Blob& blob) { return {blob.data(), blob.size()}; }
 
 /** A node of the graph with a depth image. */
 struct Node {
@@ -240,7 +228,7 @@ private:
                                "length(opt_poses) > 0 ORDER BY rowid DESC LIMIT 1");
     if (!row.step()) return {};
     const sqlite::Blob ids = row.blob(), poses = row.blob();
-    return readRtabmapGraph(viewOf(ids), viewOf(poses), path_.string());
+    return readRtabmapGraph(ids, poses, path_.string());
   }
 
   void listNodes(const std::map<int, Eigen::Isometry3d>& graph) {
@@ -255,11 +243,11 @@ private:
       const sqlite::Blob pose = row.isNull() ? row.skip(1), sqlite::Blob() : row.blob();
       const sqlite::Blob calibration = row.isNull() ? sqlite::Blob() : row.blob();
       const std::string name = fmt::format("{}: node {}", path_.string(), node.id);
-      const RtabmapCamera camera = readRtabmapCamera(viewOf(calibration), name);
+      const RtabmapCamera camera = readRtabmapCamera(calibration, name);
       note(camera.intrinsics);
       std::optional<Eigen::Isometry3d> T_w_b;
       if (!has_graph_)
-        T_w_b = readRtabmapPose(viewOf(pose), name);
+        T_w_b = readRtabmapPose(pose, name);
       else if (const auto found = graph.find(node.id); found != graph.end())
         T_w_b = found->second;
       if (T_w_b) node.T_w_c = *T_w_b * camera.T_b_c;
@@ -296,7 +284,7 @@ private:
       if (!row.step()) throw sqlite::BadCell("an image has been deleted since the file was opened");
       return row.blob();
     });
-    return readRtabmapDepth(viewOf(depth), fmt::format("{}: node {}", path_.string(), node.id));
+    return readRtabmapDepth(depth, fmt::format("{}: node {}", path_.string(), node.id));
   }
 
   fs::path path_;
