@@ -67,6 +67,18 @@ struct FrameGrabber::State {
   long asked = 0;
   std::string error;
   std::thread thread;
+
+  template <typename Value>
+  Value locked(const Value& value) const {
+    const std::lock_guard lock(mutex);
+    return value;
+  }
+  template <typename Apply>
+  void change(const Apply& apply) {
+    const std::lock_guard lock(mutex);
+    apply();
+    changed.notify_all();
+  }
 };
 
 FrameGrabber::FrameGrabber(std::shared_ptr<FrameSource> source) : state_(std::make_unique<State>()) {
@@ -79,19 +91,12 @@ FrameGrabber::~FrameGrabber() noexcept { stop(); }
 
 void FrameGrabber::start() {
   stop();
-  {
-    const std::lock_guard lock(state_->mutex);
-    state_->stopped = false;
-  }
+  state_->change([this] { state_->stopped = false; });
   state_->thread = std::thread([this] { run(); });
 }
 
 void FrameGrabber::stop() {
-  {
-    const std::lock_guard lock(state_->mutex);
-    state_->stopped = true;
-  }
-  state_->changed.notify_all();
+  state_->change([this] { state_->stopped = true; });
   if (state_->thread.joinable()) state_->thread.join();
 }
 
@@ -101,24 +106,11 @@ bool FrameGrabber::isRunning() const {
 }
 
 void FrameGrabber::trigger(int frames) {
-  {
-    const std::lock_guard lock(state_->mutex);
-    state_->in_turn = true;
-    state_->asked += frames;
-  }
-  state_->changed.notify_all();
+  state_->change([this, frames] { state_->in_turn = true, state_->asked += frames; });
 }
 
-bool FrameGrabber::atEnd() const {
-  const std::lock_guard lock(state_->mutex);
-  return state_->ended;
-}
-
-std::string FrameGrabber::lastError() const {
-  const std::lock_guard lock(state_->mutex);
-  return state_->error;
-}
-
+bool FrameGrabber::atEnd() const { return state_->locked(state_->ended); }
+std::string FrameGrabber::lastError() const { return state_->locked(state_->error); }
 const FrameSource& FrameGrabber::source() const { return *state_->source; }
 
 /** Until a frame may be delivered; false when it is to stop. */
@@ -133,18 +125,13 @@ void FrameGrabber::run() try {
     const DepthFrame::ConstPtr frame = state_->source->next(kWakeUp);
     if (frame) deliver(frame);
   }
-  const std::lock_guard lock(state_->mutex);
-  state_->ended = !state_->stopped;
+  state_->change([this] { state_->ended = !state_->stopped; });
 } catch (const std::exception& e) {
-  const std::lock_guard lock(state_->mutex);
-  state_->error = e.what();
+  state_->change([&] { state_->error = e.what(); });
 }
 
 void FrameGrabber::deliver(const DepthFrame::ConstPtr& frame) {
-  {
-    const std::lock_guard lock(state_->mutex);
-    if (state_->in_turn) --state_->asked;
-  }
+  state_->change([this] { state_->asked -= state_->in_turn; });
   if (state_->frames->num_slots() > 0) (*state_->frames)(frame);
   if (state_->clouds->num_slots() > 0) (*state_->clouds)(cloudOf(state_->converter(*frame), frame->stamp));
 }

@@ -2,6 +2,7 @@
 // Video4Linux2, by the kernel's header alone.
 #include "base/text.h"
 #include "bytes/files.h"
+#include "bytes/temporary_file.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/error.h>
@@ -50,24 +51,28 @@ struct Z16Buffer {
 class Z16Buffers {
 public:
   virtual ~Z16Buffers() = default;
-  virtual Z16Layout layout() const = 0;
+  const Z16Layout& layout() const { return layout_; }
   /** Hands on the next buffer. \return false if none was filled in time, or none will be. Throws
    * IoError.
    */
   virtual bool take(FrameSource::Patience patience, const std::function<void(const Z16Buffer&)>& use) = 0;
   virtual bool atEnd() const = 0;
   virtual bool isLive() const = 0;
+
+protected:
+  Z16Layout layout_;
 };
 
 namespace {
 
 constexpr unsigned kBuffers = 4;
 
-/** A buffer of the driver in our memory. */
-struct Mapped {
-  void* start = MAP_FAILED;
+struct Unmap {
   std::size_t size = 0;
+  void operator()(void* start) const { ::munmap(start, size); }
 };
+/** A buffer of the driver in our memory. */
+using Mapped = std::unique_ptr<void, Unmap>;
 
 std::string nameOf(std::uint32_t format) {
   std::string name;
@@ -81,28 +86,25 @@ std::string nameOf(std::uint32_t format) {
 class Z16Device : public Z16Buffers {
 public:
   /** \param width, height to ask the driver for; 0 = as it is set */
-  Z16Device(const std::filesystem::path& path, int width, int height) : name_(path.string()) {
-    file_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-    if (file_ < 0) throw IoError(name_, "cannot be opened: " + files::lastError());
-    try {
-      requireCapture();
-      setFormat(width, height);
-      mapBuffers();
-      int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-      control(VIDIOC_STREAMON, &type, "does not start");
-    } catch (...) {
-      close();
-      throw;
-    }
+  Z16Device(const fs::path& path, int width, int height)
+      : name_(path.string()), file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
+    if (!file_) throw IoError(name_, "cannot be opened: " + files::lastError());
+    requireCapture();
+    setFormat(width, height);
+    mapBuffers();
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    control(VIDIOC_STREAMON, &type, "does not start");
   }
-  ~Z16Device() override { close(); }
+  ~Z16Device() override {
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    request(VIDIOC_STREAMOFF, &type);
+  }
 
-  Z16Layout layout() const override { return layout_; }
   bool atEnd() const override { return false; }
   bool isLive() const override { return true; }
 
   bool take(FrameSource::Patience patience, const std::function<void(const Z16Buffer&)>& use) override {
-    pollfd waits{file_, POLLIN, 0};
+    pollfd waits{file_.number(), POLLIN, 0};
     if (::poll(&waits, 1, static_cast<int>(patience.count())) <= 0) return false;
     v4l2_buffer buffer = bufferNumber(0);
     if (request(VIDIOC_DQBUF, &buffer) != 0) {
@@ -112,8 +114,8 @@ public:
     const bool sound = !(buffer.flags & V4L2_BUF_FLAG_ERROR) && buffer.index < mapped_.size();
     if (sound) {
       const Mapped& memory = mapped_[buffer.index];
-      use({static_cast<const unsigned char*>(memory.start),
-           std::min<std::size_t>(buffer.bytesused, memory.size),
+      use({static_cast<const unsigned char*>(memory.get()),
+           std::min<std::size_t>(buffer.bytesused, memory.get_deleter().size),
            static_cast<double>(buffer.timestamp.tv_sec) +
                1e-6 * static_cast<double>(buffer.timestamp.tv_usec)});
     }
@@ -124,7 +126,7 @@ public:
 private:
   int request(unsigned long what, void* argument) const {
     int result = 0;
-    do result = ::ioctl(file_, what, argument);
+    do result = ::ioctl(file_.number(), what, argument);
     while (result != 0 && errno == EINTR);
     return result;
   }
@@ -188,24 +190,16 @@ private:
     for (unsigned i = 0; i < wanted.count; ++i) {
       v4l2_buffer buffer = bufferNumber(i);
       control(VIDIOC_QUERYBUF, &buffer, "does not show its buffers");
-      Mapped memory{nullptr, buffer.length};
-      memory.start = ::mmap(nullptr, memory.size, PROT_READ | PROT_WRITE, MAP_SHARED, file_, buffer.m.offset);
-      if (memory.start == MAP_FAILED) throw IoError(name_, "cannot be mapped: " + files::lastError());
-      mapped_.push_back(memory);
+      void* start =
+          ::mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, file_.number(), buffer.m.offset);
+      if (start == MAP_FAILED) throw IoError(name_, "cannot be mapped: " + files::lastError());
+      mapped_.emplace_back(start, Unmap{buffer.length});
       control(VIDIOC_QBUF, &buffer, "takes no buffer");
     }
   }
 
-  void close() {
-    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    request(VIDIOC_STREAMOFF, &type);
-    for (const Mapped& memory : mapped_) ::munmap(memory.start, memory.size);
-    ::close(file_);
-  }
-
   const std::string name_;
-  int file_ = -1;
-  Z16Layout layout_;
+  const files::Descriptor file_;
   std::vector<Mapped> mapped_;
 };
 
@@ -214,8 +208,8 @@ constexpr double kUsualInterval = 1.0 / 30;  // [s]
 /** Frames without gaps between rows or frames. */
 class Z16File : public Z16Buffers {
 public:
-  Z16File(const std::filesystem::path& path, int width, int height)
-      : layout_{width, height, 2 * static_cast<std::size_t>(width)} {
+  Z16File(const fs::path& path, int width, int height) {
+    layout_ = {width, height, 2 * static_cast<std::size_t>(width)};
     files::requireRegularFile(path);
     if (width <= 0 || height <= 0)
       throw IoError(path.string(), "does not say how large its images are: give a camera.ini");
@@ -224,7 +218,6 @@ public:
     if (std::filesystem::file_size(path) == 0) throw IoError(path.string(), "is empty");
   }
 
-  Z16Layout layout() const override { return layout_; }
   bool atEnd() const override { return ended_; }
   bool isLive() const override { return false; }
 
@@ -239,7 +232,6 @@ public:
   }
 
 private:
-  const Z16Layout layout_;
   std::ifstream in_;
   std::vector<unsigned char> bytes_;
   std::uint64_t frames_ = 0;

@@ -55,9 +55,7 @@ private:
 class BagFile : public ChunkedFile {
 public:
   explicit BagFile(const fs::path& path) : ChunkedFile(path) {
-    std::uint8_t magic[kMagic.size()];
-    if (!readAt(0, magic, sizeof magic) || std::memcmp(magic, kMagic.data(), sizeof magic) != 0)
-      throw IoError(path.string(), "is no bag of ROS 1 of the format 2.0");
+    if (!beginsWith(kMagic)) throw IoError(path.string(), "is no bag of ROS 1 of the format 2.0");
     if (!scan()) addFault("was never finished, or is torn: it is read as far as it goes");
     finish();
   }

@@ -4,6 +4,7 @@
 #include <facetloc/io/error.h>
 
 #include <cerrno>
+#include <cstring>
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <unistd.h>
@@ -12,6 +13,11 @@ namespace facetloc::internal {
 
 ChunkedFile::ChunkedFile(const std::filesystem::path& path)
     : MessageFile(path), file_(files::open(path)), size_(std::filesystem::file_size(path)) {}
+
+bool ChunkedFile::beginsWith(std::string_view magic) const {
+  return size_ >= magic.size() &&
+         std::memcmp(bytesAt(0, magic.size()).data(), magic.data(), magic.size()) == 0;
+}
 
 bool ChunkedFile::readAt(std::uint64_t place, std::uint8_t* to, std::size_t n) const {
   while (n > 0) {

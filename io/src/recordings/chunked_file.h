@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,7 @@ protected:
   explicit ChunkedFile(const std::filesystem::path& path);
 
   std::uint64_t size() const { return size_; }
+  bool beginsWith(std::string_view magic) const;
   /** \brief False where the file ends. Thread-safe. */
   bool readAt(std::uint64_t place, std::uint8_t* to, std::size_t n) const;
   /** \brief The same bytes; throws IoError where the file ends. */

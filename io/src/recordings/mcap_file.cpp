@@ -12,6 +12,7 @@
 #include <libdeflate.h>
 #include <map>
 #include <optional>
+#include <string_view>
 
 namespace facetloc::internal {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNanosecond = 1e-9;
-constexpr std::uint8_t kMagic[] = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+constexpr std::string_view kMagic = "\x89MCAP0\r\n";
 constexpr std::size_t kRecordHead = 9;    // opcode, size of the rest
 constexpr std::size_t kMessageHead = 22;  // channel, number, two times
 constexpr std::uint64_t kUnchunked = ~std::uint64_t(0);
@@ -42,10 +43,7 @@ Record recordOf(const std::uint8_t* head) {
 class McapFile : public ChunkedFile {
 public:
   explicit McapFile(const fs::path& path) : ChunkedFile(path) {
-    std::uint8_t magic[sizeof kMagic];
-    if (size() < sizeof magic || !readAt(0, magic, sizeof magic) ||
-        std::memcmp(magic, kMagic, sizeof kMagic) != 0)
-      throw IoError(path.string(), "is no MCAP file");
+    if (!beginsWith(kMagic)) throw IoError(path.string(), "is no MCAP file");
     scan();
     finish();
   }
@@ -55,10 +53,7 @@ public:
     const Record record = recordAt(entry.inner).value_or(Record());
     if (record.opcode != kMessage || record.size < kMessageHead || record.size > kLargestMessage)
       throw IoError(path().string(), fmt::format("has a corrupt message at byte {}", entry.inner));
-    Bytes bytes(record.size - kMessageHead);
-    if (!readAt(entry.inner + kRecordHead + kMessageHead, bytes.data(), bytes.size()))
-      throw IoError(path().string(), "cannot be read");
-    return bytes;
+    return bytesAt(entry.inner + kRecordHead + kMessageHead, record.size - kMessageHead);
   }
 
 private:
@@ -81,7 +76,7 @@ private:
   }
 
   void scan() {
-    std::uint64_t place = sizeof kMagic;
+    std::uint64_t place = kMagic.size();
     while (true) {
       const auto record = recordAt(place);
       if (!record || record->opcode == kInvalid)
@@ -106,8 +101,8 @@ private:
     if (!whole || (opcode != kSchema && opcode != kChannel && opcode != kMessage)) return;
     constexpr std::uint64_t kLongestDeclaration = 1 << 24;
     if (opcode != kMessage && size > kLongestDeclaration) throw BadMessage("claims too much");
-    Bytes bytes(opcode == kMessage ? std::min<std::uint64_t>(size, kMessageHead) : size);
-    if (!readAt(begin, bytes.data(), bytes.size())) throw IoError(path().string(), "cannot be read");
+    const Bytes bytes =
+        bytesAt(begin, opcode == kMessage ? std::min<std::uint64_t>(size, kMessageHead) : size);
     has_unchunked_ = has_unchunked_ || opcode == kMessage;
     note(opcode, bytes, kUnchunked, place);
   }
@@ -140,8 +135,7 @@ private:
 
   void readChunk(std::uint64_t begin, std::uint64_t size, bool whole) {
     constexpr std::uint64_t kLongestHead = 1 << 10;
-    Bytes bytes(std::min(size, kLongestHead));
-    if (!readAt(begin, bytes.data(), bytes.size())) throw IoError(path().string(), "cannot be read");
+    const Bytes bytes = bytesAt(begin, std::min(size, kLongestHead));
     MessageReader head(bytes, WireFormat::ros1);
     ChunkPlace chunk;
     std::uint32_t expected = 0;
@@ -181,12 +175,11 @@ private:
     if (!readAt(place + kRecordHead, reinterpret_cast<std::uint8_t*>(&expected), sizeof expected))
       return addFault("was never finished: it is read as far as it goes");
     if (expected == 0) return;
-    Bytes part(std::size_t(1) << 20);
+    constexpr std::uint64_t kPart = 1 << 20;
     std::uint32_t sum = 0;
-    for (std::uint64_t at = 0; at < place; at += part.size()) {
-      const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(part.size(), place - at));
-      if (!readAt(at, part.data(), n)) throw IoError(path().string(), "cannot be read");
-      sum = libdeflate_crc32(sum, part.data(), n);
+    for (std::uint64_t at = 0; at < place; at += kPart) {
+      const Bytes part = bytesAt(at, std::min(kPart, place - at));
+      sum = libdeflate_crc32(sum, part.data(), part.size());
     }
     if (sum != expected) addFault("its data do not match its checksum: some are damaged");
   }

@@ -30,7 +30,7 @@ constexpr const char* kParams = "params.ini";
 constexpr double kQuaternionTolerance = 1e-3;  // tolerance of |q|^2 as read
 constexpr int kTimeDecimals = 3;               // decimals of milliseconds
 
-using PoseNames = std::array<std::string, 7>;
+using PoseNames = std::vector<std::string>;  // seven
 const PoseNames kWorldPose = {"w_tx", "w_ty", "w_tz", "w_qx", "w_qy", "w_qz", "w_qw"};
 
 template <class... Cases>
@@ -172,15 +172,19 @@ void removePosesOfParts(const fs::path& folder) {
 
 Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row, const PoseNames& names) {
   PoseColumns columns;
-  for (std::size_t i = 0; i < names.size(); ++i) columns[i] = table.real(row, names[i]);
+  for (std::size_t i = 0; i < columns.size(); ++i) columns[i] = table.real(row, names[i]);
   if (const char* fault = faultOf(columns, kQuaternionTolerance))
     table.fail(row, fmt::format("{} to {} {}", names.front(), names.back(), fault));
   return *fromColumns(columns, kQuaternionTolerance);
 }
 
-bool allEmpty(const csv::Table& table, const csv::Row& row, const PoseNames& names) {
-  return std::all_of(names.begin(), names.end(),
-                     [&](const std::string& name) { return text::trimmed(table.string(row, name)).empty(); });
+std::optional<Eigen::Isometry3d> readPoseIfAny(const csv::Table& table, const csv::Row& row,
+                                               const PoseNames& names) {
+  const auto isEmpty = [&](const std::string& name) {
+    return text::trimmed(table.string(row, name)).empty();
+  };
+  if (std::all_of(names.begin(), names.end(), isEmpty)) return {};
+  return readPose(table, row, names);
 }
 
 AnswerState stateIn(const csv::Table& table, const csv::Row& row, const std::string& name) {
@@ -198,13 +202,6 @@ double numberIn(const csv::Table& table, const csv::Row& row, const ResultColumn
   return number;
 }
 
-PoseNames poseNames(const ResultColumn& column) {
-  PoseNames names;
-  const std::vector<std::string> all = column.names();
-  std::copy(all.begin(), all.end(), names.begin());
-  return names;
-}
-
 void readColumn(const csv::Table& table, const csv::Row& row, const ResultColumn& column, ResultRow& into) {
   std::visit(
       Overloaded{[&](std::string ResultRow::*text) { into.*text = table.string(row, column.name); },
@@ -215,10 +212,9 @@ void readColumn(const csv::Table& table, const csv::Row& row, const ResultColumn
                      into.*number = numberIn(table, row, column);
                  },
                  [&](AnswerState ResultRow::*state) { into.*state = stateIn(table, row, column.name); },
-                 [&](Eigen::Isometry3d ResultRow::*T) { into.*T = readPose(table, row, poseNames(column)); },
+                 [&](Eigen::Isometry3d ResultRow::*T) { into.*T = readPose(table, row, column.names()); },
                  [&](std::optional<Eigen::Isometry3d> ResultRow::*T) {
-                   if (!allEmpty(table, row, poseNames(column)))
-                     into.*T = readPose(table, row, poseNames(column));
+                   into.*T = readPoseIfAny(table, row, column.names());
                  }},
       column.value);
 }
@@ -438,7 +434,7 @@ std::vector<StartAnswer> readStarts(const fs::path& folder, const Remark& remark
     StartAnswer answer{table.string(row, "start"), table.string(row, "frame"), {}, 0, {}};
     answer.state = stateIn(table, row, "state");
     answer.probability = table.real(row, "probability");
-    if (!allEmpty(table, row, kWorldPose)) answer.T_w_c = readPose(table, row, kWorldPose);
+    answer.T_w_c = readPoseIfAny(table, row, kWorldPose);
     answers.push_back(std::move(answer));
   }
   return answers;
