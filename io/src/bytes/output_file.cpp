@@ -98,8 +98,6 @@ void createFolders(const std::filesystem::path& folder) {
 
 void writeAtomically(const std::filesystem::path& path,
                      const std::function<void(const std::filesystem::path& temporary)>& write) {
-  files::requireFolderOf(path);
-  files::requireReplaceable(path);
   TemporaryFile temporary(path);
   try {
     write(temporary.path());
@@ -135,8 +133,6 @@ struct GrowingFile::Impl {
 };
 
 GrowingFile::GrowingFile(const std::filesystem::path& path, const std::string& header) {
-  files::requireFolderOf(path);
-  files::requireReplaceable(path);
   TemporaryFile file(path);
   impl_ = std::make_unique<Impl>(Impl{path, file.duplicate()});
   impl_->append(header);
@@ -162,6 +158,8 @@ files::Descriptor createNew(const fs::path& path) {
 }
 
 TemporaryFile::TemporaryFile(const fs::path& target) : target_(target) {
+  files::requireFolderOf(target);
+  files::requireReplaceable(target);
   while (!file_) {
     const fs::path path = target.parent_path() / fmt::format(".facetloc-{}.tmp", randomDigits());
     files::Descriptor file = createNew(path);

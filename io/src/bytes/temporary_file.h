@@ -44,7 +44,8 @@ files::Descriptor createNew(const std::filesystem::path& path);
  * program is one that no process holds. */
 class TemporaryFile {
 public:
-  /** \brief Throws WriteError, which names the target. */
+  /** \brief Throws IoError, which names the target: its folder is not there, it is no file, or the disk is
+   * full. */
   explicit TemporaryFile(const std::filesystem::path& target);
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;

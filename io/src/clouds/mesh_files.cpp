@@ -15,9 +15,10 @@
 #include <fmt/format.h>
 #include <limits>
 #include <map>
-#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace facetloc {
@@ -25,15 +26,12 @@ namespace {
 
 class ObjReader {
 public:
-  explicit ObjReader(std::string path) : path_(std::move(path)) {}
-
   void take(std::string_view line) {
     const std::vector<std::string_view> words = text::words(text::withoutComment(line));
     if (words.empty()) return;
     if (words[0] == "v") addVertex(words);
     if (words[0] == "f") addFace(words);
   }
-  void countLine() { ++line_; }
 
   pcl::PolygonMesh mesh() {
     pcl::PolygonMesh mesh;
@@ -43,9 +41,7 @@ public:
   }
 
 private:
-  [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(path_, fmt::format("line {}: {}", line_, cause));
-  }
+  [[noreturn]] static void fail(const std::string& cause) { throw std::invalid_argument(cause); }
 
   /** v x y z, behind which may be a weight or a colour. */
   void addVertex(const std::vector<std::string_view>& words) {
@@ -78,8 +74,6 @@ private:
     return static_cast<pcl::index_t>(points_.size()) + *number;
   }
 
-  const std::string path_;
-  std::size_t line_ = 1;
   pcl::PointCloud<pcl::PointXYZ> points_;
   std::vector<pcl::Vertices> faces_;
 };
@@ -163,21 +157,15 @@ pcl::PolygonMesh readBinary(const std::filesystem::path& path, std::string_view 
 }  // namespace
 
 pcl::PolygonMesh readObj(const std::filesystem::path& path) {
-  std::istringstream in(files::readText(path));
-  ObjReader reader(path.string());
-  std::string line, whole;
-  while (std::getline(in, line)) {
+  ObjReader reader;
+  std::string whole;  // line with those that go on
+  const std::string content = files::readText(path) + "\n";
+  files::forEachLine(content, path.string(), [&](std::string_view line) {
     const std::string_view part = text::trimmed(line);
     const bool goes_on = !part.empty() && part.back() == '\\';
-    whole += part.substr(0, part.size() - goes_on);
-    whole += ' ';
-    if (!goes_on) {
-      reader.take(whole);
-      whole.clear();
-    }
-    reader.countLine();
-  }
-  reader.take(whole);
+    whole.append(part.substr(0, part.size() - goes_on)).append(" ");
+    if (!goes_on) reader.take(std::exchange(whole, {}));
+  });
   return reader.mesh();
 }
 

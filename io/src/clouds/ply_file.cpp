@@ -36,12 +36,8 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
-/** The header of a PLY file, checked against the length of the data. */
 struct PlyHeader {
   enum class Encoding { text, little_endian, big_endian };
-  /** Throws IoError with that path. \param bytes of the whole file */
-  PlyHeader(std::string_view bytes, const std::string& path);
-
   Encoding encoding = Encoding::text;
   std::vector<PlyElement> elements;
   std::size_t end = 0;  ///< first byte behind the header
@@ -116,8 +112,10 @@ std::uint64_t leastBytes(const PlyHeader& header) {
   return least > 0 && header.encoding == PlyHeader::Encoding::text ? least - 1 : least;
 }
 
-PlyHeader::PlyHeader(std::string_view bytes, const std::string& path) {
+/** The header of a file, checked against the length of the data. */
+PlyHeader headerOf(std::string_view bytes, const std::string& path) {
   constexpr std::size_t kFirst = 3;  // bytes
+  PlyHeader header;
   const std::string_view line_ends = bytes.substr(0, bytes.find_first_not_of(" \t\r\n", kFirst));
   const char newline = line_ends.find('\n') == std::string_view::npos ? '\r' : '\n';
   std::size_t at = bytes.find(newline);
@@ -126,13 +124,14 @@ PlyHeader::PlyHeader(std::string_view bytes, const std::string& path) {
   for (bool more = true; more;) {
     const std::size_t line_end = at == std::string_view::npos ? at : bytes.find(newline, at + 1);
     if (line_end == std::string_view::npos) throw IoError(path, "has no end of its PLY header");
-    more = take(text::trimmed(bytes.substr(at + 1, line_end - at - 1)), path, *this);
+    more = take(text::trimmed(bytes.substr(at + 1, line_end - at - 1)), path, header);
     at = line_end;
   }
-  end = at + 1;
-  if (leastBytes(*this) > bytes.size() - end)
+  header.end = at + 1;
+  if (leastBytes(header) > bytes.size() - header.end)
     throw IoError(path, fmt::format("is cut off: its header promises at least {} bytes, {} are there",
-                                    leastBytes(*this), bytes.size() - end));
+                                    leastBytes(header), bytes.size() - header.end));
+  return header;
 }
 
 /** The numbers behind a header, one after the other. All of them are exact as doubles. */
@@ -256,11 +255,6 @@ void put(std::string& out, Number number) {
   out.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-bool hasColours(const pcl::PCLPointCloud2& cloud) {
-  return std::any_of(cloud.fields.begin(), cloud.fields.end(),
-                     [](const pcl::PCLPointField& field) { return field.name == "rgb"; });
-}
-
 template <class PointT>
 std::string vertices(const pcl::PCLPointCloud2& cloud) {
   pcl::PointCloud<PointT> points;
@@ -290,7 +284,7 @@ std::string faces(const std::vector<pcl::Vertices>& polygons) {
 pcl::PolygonMesh readPly(const std::filesystem::path& path) {
   files::requireRegularFile(path);
   const std::string bytes = files::asUtf8(files::readBytes(path)), name = path.string();
-  const PlyHeader header(bytes, name);
+  const PlyHeader header = headerOf(bytes, name);
   PlyNumbers numbers(std::string_view(bytes).substr(header.end), header.encoding, name);
   PlyReader reader(name);
   for (const PlyElement& element : header.elements) reader.read(element, numbers);
@@ -298,7 +292,7 @@ pcl::PolygonMesh readPly(const std::filesystem::path& path) {
 }
 
 void writePly(std::ostream& out, const pcl::PolygonMesh& mesh) {
-  const bool coloured = hasColours(mesh.cloud);
+  const bool coloured = fieldOf(mesh.cloud, "rgb") != nullptr;
   const bool long_faces =
       std::any_of(mesh.polygons.begin(), mesh.polygons.end(), [](const pcl::Vertices& polygon) {
         return polygon.vertices.size() > std::numeric_limits<std::uint8_t>::max();

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fmt/format.h>
 #include <json/json.h>
 #include <memory>
@@ -96,14 +97,6 @@ double depthScaleOf(const std::string& word) {
   const auto scale = text::to<double>(word);
   if (!scale || !(*scale > 0)) throw std::invalid_argument("its depth_scale is not positive");
   return *scale;
-}
-
-std::vector<std::uint16_t> littleEndian(const std::vector<char>& bytes) {
-  std::vector<std::uint16_t> values(bytes.size() / 2);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = static_cast<std::uint16_t>(static_cast<unsigned char>(bytes[2 * i]) |
-                                           static_cast<unsigned char>(bytes[2 * i + 1]) << 8);
-  return values;
 }
 
 }  // namespace
@@ -285,7 +278,8 @@ void PipeFrames::readPixels(std::size_t available) {
   used_ += n;
   missing_ -= n;
   if (missing_ > 0) return;
-  pending_->values = littleEndian(pixels_);
+  pending_->values.resize(pixels_.size() / sizeof(std::uint16_t));
+  std::memcpy(pending_->values.data(), pixels_.data(), pixels_.size());  // both little-endian
   pixels_.clear();
 }
 

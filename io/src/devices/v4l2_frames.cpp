@@ -11,11 +11,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <functional>
 #include <linux/videodev2.h>
+#include <memory>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
@@ -240,13 +242,10 @@ private:
 
 /** The depths of a buffer that has layout.bytes() bytes at least. */
 std::vector<std::uint16_t> depthsOf(const unsigned char* bytes, const Z16Layout& layout) {
-  std::vector<std::uint16_t> depths;
-  depths.reserve(static_cast<std::size_t>(layout.width) * layout.height);
-  for (int row = 0; row < layout.height; ++row) {
-    const unsigned char* at = bytes + layout.bytes_per_row * static_cast<std::size_t>(row);
-    for (int column = 0; column < layout.width; ++column, at += 2)
-      depths.push_back(static_cast<std::uint16_t>(at[0] | at[1] << 8));
-  }
+  const auto width = static_cast<std::size_t>(layout.width), height = static_cast<std::size_t>(layout.height);
+  std::vector<std::uint16_t> depths(width * height);
+  for (std::size_t row = 0; row < height; ++row)  // both little-endian
+    std::memcpy(depths.data() + row * width, bytes + row * layout.bytes_per_row, 2 * width);
   return depths;
 }
 

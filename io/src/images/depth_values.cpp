@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bytes/files.h"
+#include "images/depth_file.h"
 #include "images/value_plausibility.h"
 
 #include <facetloc/io/depth_values.h>
@@ -18,7 +19,6 @@ namespace {
 
 constexpr std::size_t kMostImages = 16;
 constexpr std::size_t kValues = 65536;
-constexpr std::uint16_t kNotMeasured = 65535;
 constexpr int kLargestDivisor = 512;
 constexpr double kMultiples = 0.98;          // share of the values
 constexpr std::size_t kLeastDifferent = 20;  // values, of which a divisor says something

@@ -88,8 +88,7 @@ Raster<std::uint16_t> readPclzf(const fs::path& path) {
   if (!lzfUnpack(packed, bytes)) throw IoError(path.string(), "is corrupt: it cannot be unpacked");
   Raster<std::uint16_t> image{static_cast<int>(header.width), static_cast<int>(header.height), 1, {}};
   image.data.resize(std::size_t(header.width) * header.height);
-  for (std::size_t i = 0; i < image.data.size(); ++i)
-    image.data[i] = static_cast<std::uint16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8);
+  std::memcpy(image.data.data(), bytes.data(), bytes.size());  // both little-endian
   return image;
 }
 

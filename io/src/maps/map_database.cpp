@@ -147,7 +147,7 @@ void insertLink(Connection& db, const Link& link) {
 
 void updatePose(Connection& db, int model_id, const std::optional<Eigen::Isometry3d>& T_w_m) {
   describing(db, fmt::format("the pose of local model {}", model_id), [&] {
-    if (T_w_m) requireSoundPose(*T_w_m);
+    if (T_w_m) requireSound(*T_w_m);
   });
   Statement statement(db,
                       "UPDATE model SET tx = ?, ty = ?, tz = ?, qx = ?, qy = ?, qz = ?, qw = ? WHERE id = ?");

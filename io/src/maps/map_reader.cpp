@@ -69,7 +69,7 @@ private:
   template <typename Function>
   void forEachRow(const char* columns, const char* table, const char* order, const char* label,
                   const Function& function) {
-    Statement row(db_, schema::select(columns, table, order));
+    Statement row(db_, schema::select(columns, table) + " ORDER BY " + order);
     while (row.step()) {
       std::string of_row = label;
       try {

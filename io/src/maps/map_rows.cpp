@@ -33,12 +33,6 @@ void requireRotation(const Eigen::Matrix3d& R) {
           "its rotation matrix is not a rotation");
 }
 
-void requireSound(const Eigen::Isometry3d& T) {
-  require(T.translation().allFinite(), "its pose is not finite");
-  require(plausible::isPosition(T.translation()), "its pose is more than 1000 km away");
-  requireRotation(T.linear());
-}
-
 void requireSound(const DepthPicture& picture, const Intrinsics& working_image) {
   if (picture.empty()) return;
   requireSound(picture.camera);
@@ -59,7 +53,7 @@ void requireSound(const CameraMounting& mounting) {
 void requireSound(const LocalModel& model) {
   require(!model.name.empty(), "it has no name");
   require(std::isfinite(model.stamp) && plausible::isStamp(model.stamp), "its stamp is impossible");
-  if (model.T_w_m) requireSound(*model.T_w_m);
+  if (model.T_w_m) map_rows::requireSound(*model.T_w_m);
   if (model.alias_score) requirePossibleScore(*model.alias_score);
 }
 
@@ -158,7 +152,11 @@ void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_i
           "its depth picture is larger than its image");
 }
 
-void requireSoundPose(const Eigen::Isometry3d& T) { requireSound(T); }
+void requireSound(const Eigen::Isometry3d& T) {
+  require(T.translation().allFinite(), "its pose is not finite");
+  require(plausible::isPosition(T.translation()), "its pose is more than 1000 km away");
+  requireRotation(T.linear());
+}
 
 void requireSound(const DepthNoise& noise) {
   require(noise.inverse_depth_std >= DepthNoise::kLeastInverseDepthStd &&

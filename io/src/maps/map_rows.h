@@ -15,7 +15,7 @@ namespace facetloc::map_rows {
 void require(bool condition, const char* fault);
 /** \brief A depth picture is no larger than the working image that it is made of. */
 void requireSizeOfPicture(const Intrinsics& picture, const Intrinsics& working_image);
-void requireSoundPose(const Eigen::Isometry3d& T);
+void requireSound(const Eigen::Isometry3d& T);
 void requireSound(const DepthNoise& noise);
 void requireSound(const Camera& camera);
 void requireSound(const Segment& segment);

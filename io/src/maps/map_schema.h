@@ -173,9 +173,6 @@ inline constexpr const char* kIndexColumns = "part, crc32, data";
 inline std::string select(const std::string& columns, const std::string& table) {
   return "SELECT " + columns + " FROM " + table;
 }
-inline std::string select(const std::string& columns, const std::string& table, const std::string& order) {
-  return select(columns, table) + " ORDER BY " + order;
-}
 
 /** \brief An INSERT with one placeholder per column. */
 inline std::string insert(const std::string& columns, const std::string& table) {

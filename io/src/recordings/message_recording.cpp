@@ -28,12 +28,6 @@ struct ImagesOfTopic {
   std::uint32_t width = 0, height = 0;  ///< [px], or 0 if not known
 };
 
-/** A camera, without intrinsics if no message has them. */
-struct MessageCamera {
-  CameraFile file;
-  std::string remark{};  ///< source of the camera, and the treatment of its lens; or nothing
-};
-
 constexpr const char* kRealSenseImages = "/image/data";  // ending of the topics of RealSense's recorder
 constexpr double kMillimetres = 1000;                    // values per metre
 
@@ -56,7 +50,7 @@ CameraInfoMessage infoOf(const ImagesOfTopic& images, const CameraInfoMessage& i
 }
 
 /** Images called rectified have no lens. */
-void take(const CameraInfoMessage& info, bool called_rectified, MessageCamera& camera) {
+void take(const CameraInfoMessage& info, bool called_rectified, RecordedCamera& camera) {
   constexpr std::uint32_t kLargestSide = 65535;
   if (info.width > kLargestSide || info.height > kLargestSide) return;
   const int width = static_cast<int>(info.width), height = static_cast<int>(info.height);
@@ -88,17 +82,17 @@ std::string matchingTopic(const MessageLog& log, const ImagesOfTopic& images) {
   return {};
 }
 
-/** Camera by the CameraInfo next to the images, or else by one of the same frame and size. RealSense's
- * own recorder also has the unit of depth. Throws IoError for corrupt messages. */
-MessageCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& images) {
+/** Camera by the CameraInfo next to the images, or else by one of the same frame and size; without intrinsics
+ * if there is no such message. Its remark is on its source and its lens. RealSense's own recorder also has
+ * the unit of depth. Throws IoError for corrupt messages. */
+RecordedCamera cameraOfMessages(const MessageLog& log, const ImagesOfTopic& images) {
   const std::string& topic = images.topic;
   const bool is_realsense = endsWith(topic, kRealSenseImages);
   const std::string base = is_realsense
                                ? topic.substr(0, topic.size() - std::strlen(kRealSenseImages)) + "/info"
                                : topic.substr(0, std::min(topic.rfind('/'), topic.size()));
   const CameraPreset& preset = is_realsense ? *findCameraPreset("realsense_d435") : cameraPresets().front();
-  MessageCamera camera;
-  camera.file = cameraFileOf({}, kMillimetres, preset);
+  RecordedCamera camera{cameraFileOf({}, kMillimetres, preset)};
   if (is_realsense) findDepthUnit(log, camera.file);
   const bool called_rectified = text::lower(topic).find("rect") != std::string::npos;
   const auto use = [&](const CameraInfoMessage& info) {
@@ -282,7 +276,7 @@ private:
   std::size_t stray_ = 0, copies_ = 0;    // messages out of their order, and copies
   std::string frame_;                     // frame of the images
   std::uint32_t width_ = 0, height_ = 0;  // size of the images, where the messages have it
-  MessageCamera camera_;
+  RecordedCamera camera_;
 };
 
 }  // namespace
