@@ -2,8 +2,8 @@
 // Bytes as a scan or mesh, of the kind that the first one names.
 #include "fuzz_file.h"
 
+#include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/model_file.h>
 #include <facetloc/mapping/mesh_surface.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "temporary_folder.h"
 
+#include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_camera.h>
 #include <facetloc/io/map_database.h>
 
 namespace facetloc::test {

@@ -3,7 +3,7 @@
 #include "temporary_folder.h"
 
 #include <facetloc/features/segment_frame.h>
-#include <facetloc/io/map_graph.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/changed_views.h>
 

@@ -3,7 +3,7 @@
 #include "temporary_folder.h"
 
 #include <facetloc/features/map_parts.h>
-#include <facetloc/io/map_graph.h>
+#include <facetloc/io/map_database.h>
 #include <facetloc/testing/pose_matchers.h>
 
 namespace facetloc::test {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "facetloc/testing/places.h"
 
+#include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/model_file.h>
 #include <facetloc/testing/matchers.h>
 
 #include <gtest/gtest.h>

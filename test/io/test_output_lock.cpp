@@ -2,7 +2,7 @@
 #include "bytes/temporary_file.h"
 #include "temporary_folder.h"
 
-#include <facetloc/io/output_lock.h>
+#include <facetloc/io/atomic_file.h>
 
 #include <csignal>
 #include <optional>

@@ -6,7 +6,6 @@
 #include "watchdog.h"
 
 #include <facetloc/io/oni_file.h>
-#include <facetloc/io/oni_recorder.h>
 
 #include <OpenNI.h>
 

@@ -5,7 +5,6 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/depth_values.h>
-#include <facetloc/io/map_camera.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>

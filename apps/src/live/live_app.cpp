@@ -15,7 +15,6 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 
 #include <filesystem>
 #include <fmt/format.h>

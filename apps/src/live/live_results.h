@@ -5,7 +5,6 @@
 
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/io/results.h>
 
 #include <filesystem>

@@ -21,7 +21,7 @@
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/oni_recorder.h>
+#include <facetloc/io/oni_file.h>
 #include <facetloc/openni/openni_grabber.h>
 
 #include <algorithm>

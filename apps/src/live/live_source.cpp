@@ -7,10 +7,10 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/organized_cloud.h>
+#include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_camera.h>
 #include <facetloc/io/v4l2_frames.h>
 #include <facetloc/openni/openni_grabber.h>
 

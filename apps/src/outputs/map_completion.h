@@ -3,9 +3,9 @@
 
 #include "cli/app.h"
 
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/mapping/map_making.h>
 
 #include <filesystem>

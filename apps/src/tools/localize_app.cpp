@@ -20,7 +20,6 @@
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/io/results.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/registration/pose_prior.h>

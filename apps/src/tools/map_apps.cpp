@@ -13,7 +13,6 @@
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/map_graph.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/mapping/map_session.h>

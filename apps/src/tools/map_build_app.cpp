@@ -10,10 +10,10 @@
 #include "outputs/provenance.h"
 #include "tools/image_trajectory.h"
 
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/mapping/map_making.h>
 
 #include <algorithm>

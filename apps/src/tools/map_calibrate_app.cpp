@@ -7,9 +7,9 @@
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/localization/sure_calibration.h>

@@ -5,9 +5,9 @@
 #include "inputs/depth_input.h"
 #include "outputs/map_completion.h"
 
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/mapping/densified_map.h>
 
 #include <filesystem>

@@ -9,9 +9,9 @@
 #include "tools/image_trajectory.h"
 
 #include <facetloc/features/map_parts.h>
+#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/mapping/map_session.h>
 
 #include <algorithm>

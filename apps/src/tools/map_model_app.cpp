@@ -8,9 +8,9 @@
 #include "tools/model_axes.h"
 
 #include <facetloc/features/camera_presets.h>
+#include <facetloc/io/camera_file.h>
+#include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_camera.h>
-#include <facetloc/io/model_file.h>
 #include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/mapping/floor_plan.h>

@@ -13,7 +13,6 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/gravity_record.h>
 #include <facetloc/io/occupancy_grid_file.h>
-#include <facetloc/io/output_lock.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/simulation/simulated_camera.h>

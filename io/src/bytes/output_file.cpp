@@ -4,7 +4,6 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/output_lock.h>
 
 #include <array>
 #include <cerrno>

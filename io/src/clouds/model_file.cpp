@@ -2,8 +2,8 @@
 #include "bytes/files.h"
 #include "clouds/point_formats.h"
 
+#include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/model_file.h>
 
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>

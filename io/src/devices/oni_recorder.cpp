@@ -5,7 +5,6 @@
 
 #include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
-#include <facetloc/io/oni_recorder.h>
 
 #include <OpenNI.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/camera_presets.h>
+#include <facetloc/io/camera_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_camera.h>
 #include <facetloc/io/map_database.h>
 
 #include <array>

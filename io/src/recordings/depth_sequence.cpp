@@ -11,9 +11,9 @@
 #include "recordings/recording_layout.h"
 
 #include <facetloc/features/depth_image.h>
+#include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/map_camera.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/segment_file.h>
 

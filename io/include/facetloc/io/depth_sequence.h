@@ -32,7 +32,7 @@ struct FrameFile {
 
 /** \brief A user's facts about a recording, which override its files. */
 struct RecordingHints {
-  /** The file of a camera (camera_file.h), a map that was made with it (map_camera.h) or a CameraPreset's
+  /** The file of a camera (camera_file.h), a map that was made with it, or a CameraPreset's
    * name; empty: as the recording says. Of a preset, noise and largest depth hold; its intrinsics, of a
    * typical device, only if the recording has none. */
   std::string camera{};
