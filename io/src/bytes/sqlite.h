@@ -29,10 +29,9 @@ using Blob = std::vector<std::uint8_t>;
 /** \brief An open database, for one thread at a time. */
 class Connection {
 public:
-  Connection(const std::filesystem::path& path, int flags) : Connection(path, path, flags) {}
-  /** \brief Errors speak of `shown`, whatever file is opened. */
-  Connection(const std::filesystem::path& path, const std::filesystem::path& shown, int flags)
-      : name_(shown.string()) {
+  /** \param shown the file that errors speak of, where it is another one */
+  Connection(const std::filesystem::path& path, int flags, const std::filesystem::path& shown = {})
+      : name_(shown.empty() ? path.string() : shown.string()) {
     constexpr int kBusyTimeout = 5000;              // [ms] another process may be writing
     constexpr int kLargestCell = 64 * 1024 * 1024;  // [bytes] a corrupt file may claim any size
     sqlite3* db = nullptr;
@@ -201,7 +200,7 @@ private:
   int cell_ = 0;
 };
 
-/** \brief All or nothing: rolled back unless committed. */
+/** \brief All or nothing: rolled back unless committed. All that is read while it lives is of one time. */
 class Transaction {
 public:
   explicit Transaction(Connection& db, const char* begin = "BEGIN IMMEDIATE") : db_(db) {
@@ -220,12 +219,6 @@ public:
 private:
   Connection& db_;
   bool committed_ = false;
-};
-
-/** \brief All that is read while it lives is of one time, whoever else writes meanwhile; they wait for it. */
-class Snapshot : private Transaction {
-public:
-  explicit Snapshot(Connection& db) : Transaction(db, "BEGIN") {}
 };
 
 }  // namespace facetloc::sqlite

@@ -8,8 +8,10 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstdio>
+#include <cstring>
 #include <fmt/format.h>
 #include <stdexcept>
 #include <string>
@@ -96,6 +98,7 @@ void readHeader(png_structp png, png_infop info, void* context) {
 
 void readRows(png_structp png, png_infop info, void* context) {
   png_set_interlace_handling(png);
+  if (png_get_bit_depth(png, info) == 16) png_set_swap(png);
   png_read_update_info(png, info);
   png_read_image(png, static_cast<png_bytepp>(context));
   png_read_end(png, nullptr);
@@ -120,13 +123,15 @@ void requireGrey(const Header& h, int min_bits, const std::string& path) {
   if (h.bits < min_bits) throw IoError(path, fmt::format("has {} bits per pixel, not {}", h.bits, min_bits));
 }
 
-std::vector<png_bytep> rowPointers(std::vector<png_byte>& bytes, std::size_t height) {
+template <typename T>
+std::vector<png_bytep> rowPointers(std::vector<T>& values, std::size_t height) {
   std::vector<png_bytep> rows(height);
-  for (std::size_t y = 0; y < height; ++y) rows[y] = bytes.data() + y * (bytes.size() / height);
+  for (std::size_t y = 0; y < height; ++y)
+    rows[y] = reinterpret_cast<png_bytep>(values.data() + y * (values.size() / height));
   return rows;
 }
 
-/** An image of one or more channels as libpng reads it: rows of bytes, 16-bit values big-endian. */
+/** An image of one or more channels: rows of bytes, 16-bit values in the order of this machine. */
 struct EncodedPng {
   Header header;
   std::vector<png_byte> bytes;
@@ -155,10 +160,10 @@ Raster<std::uint16_t> readGrey(const files::FilePtr& file, const std::string& na
   const std::size_t bytes_per_pixel = png.header.bits / 8;
   Raster<std::uint16_t> image{static_cast<int>(png.header.width), static_cast<int>(png.header.height), 1, {}};
   image.data.resize(png.bytes.size() / bytes_per_pixel);
-  const std::vector<png_byte>& bytes = png.bytes;
-  for (std::size_t i = 0; i < image.data.size(); ++i)
-    image.data[i] =
-        bytes_per_pixel == 1 ? bytes[i] : static_cast<std::uint16_t>(bytes[2 * i] << 8 | bytes[2 * i + 1]);
+  if (bytes_per_pixel == 1)
+    std::copy(png.bytes.begin(), png.bytes.end(), image.data.begin());
+  else
+    std::memcpy(image.data.data(), png.bytes.data(), png.bytes.size());
   return image;
 }
 
@@ -169,7 +174,7 @@ files::FilePtr inMemory(const std::uint8_t* data, std::size_t size, const std::s
   return file;
 }
 
-/** An image as libpng writes it: rows of bytes, 16-bit values big-endian. */
+/** An image as libpng takes it: rows of bytes, 16-bit values in the order of this machine. */
 struct Encoded {
   Header header;
   png_bytepp rows = nullptr;
@@ -183,30 +188,26 @@ void writeImage(png_structp png, png_infop info, void* context) {
   png_set_compression_level(png, kZlibLevel);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_write_info(png, info);
+  if (h.bits == 16) png_set_swap(png);
   png_write_image(png, image->rows);
   png_write_end(png, info);
 }
 
-void writeEncoded(const std::filesystem::path& path, const Header& header, std::vector<png_byte> bytes) {
-  writeAtomically(path, [&](const std::filesystem::path& temporary) {
-    const files::FilePtr file(std::fopen(temporary.c_str(), "wb"));
-    if (!file) throw WriteError(path.string(), files::lastError());
-    auto rows = rowPointers(bytes, header.height);
-    Encoded image{header, rows.data()};
-    Codec(Codec::Kind::kWrite, file.get(), path.string()).run(writeImage, &image);
-    if (std::fflush(file.get()) != 0) throw WriteError(path.string(), files::lastError());
-  });
-}
-
 template <typename T>
-void requireSound(const Raster<T>& image, bool channels_ok) {
+void write(const std::filesystem::path& path, Raster<T> image, bool channels_ok) {
   const bool sized = image.width > 0 && image.height > 0 && channels_ok &&
                      image.data.size() == std::size_t(image.width) * image.height * image.channels;
   if (!sized) throw std::invalid_argument("writePng: the image's size does not match its data");
-}
-
-Header headerOf(int width, int height, int bits, int colour) {
-  return {static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits, colour};
+  const Header header{static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
+                      8 * int(sizeof(T)), image.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB};
+  writeAtomically(path, [&](const std::filesystem::path& temporary) {
+    const files::FilePtr file(std::fopen(temporary.c_str(), "wb"));
+    if (!file) throw WriteError(path.string(), files::lastError());
+    auto rows = rowPointers(image.data, header.height);
+    Encoded encoded{header, rows.data()};
+    Codec(Codec::Kind::kWrite, file.get(), path.string()).run(writeImage, &encoded);
+    if (std::fflush(file.get()) != 0) throw WriteError(path.string(), files::lastError());
+  });
 }
 
 }  // namespace
@@ -252,20 +253,11 @@ bool isRgbaPng(const std::uint8_t* data, std::size_t size) {
 }
 
 void writePng(const std::filesystem::path& path, const Raster<std::uint16_t>& image) {
-  requireSound(image, image.channels == 1);
-  std::vector<png_byte> bytes;
-  bytes.reserve(2 * image.data.size());
-  for (const std::uint16_t value : image.data) {
-    bytes.push_back(static_cast<png_byte>(value >> 8));
-    bytes.push_back(static_cast<png_byte>(value & 0xFF));
-  }
-  writeEncoded(path, headerOf(image.width, image.height, 16, PNG_COLOR_TYPE_GRAY), std::move(bytes));
+  write(path, image, image.channels == 1);
 }
 
 void writePng(const std::filesystem::path& path, const Raster<std::uint8_t>& image) {
-  requireSound(image, image.channels == 1 || image.channels == 3);
-  const int colour = image.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB;
-  writeEncoded(path, headerOf(image.width, image.height, 8, colour), image.data);
+  write(path, image, image.channels == 1 || image.channels == 3);
 }
 
 }  // namespace facetloc

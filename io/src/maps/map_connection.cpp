@@ -136,7 +136,7 @@ void removeWithJournal(const fs::path& path) {
 }
 
 Connection create(const fs::path& path, const fs::path& shown) {
-  Connection db(path, shown, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  Connection db(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, shown);
   configureForWriting(db);
   Transaction transaction(db);
   db.execute(fmt::format("PRAGMA application_id = {}", MapDatabase::kApplicationId));

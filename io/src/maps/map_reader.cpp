@@ -37,7 +37,7 @@ public:
    */
   enum class Views { keep, look_at, leave };
 
-  explicit MapReader(sqlite::Connection& db) : db_(db), snapshot_(db) {}
+  explicit MapReader(sqlite::Connection& db) : db_(db), snapshot_(db, "BEGIN") {}
 
   Map read(Views views) {
     readMeta();
@@ -195,7 +195,7 @@ private:
   }
 
   sqlite::Connection& db_;
-  sqlite::Snapshot snapshot_;
+  sqlite::Transaction snapshot_;  // for which others that write wait
   Map map_;
   std::vector<View> views_;  // views of the models
   std::vector<int> num_segments_;

@@ -83,18 +83,22 @@ std::vector<fs::path> messageFilesOf(const fs::path& path, std::string& remark) 
   return there;
 }
 
+/** The index of the topic of that name, type and format, which is added if it is new. */
+std::size_t indexOf(const MessageTopic& topic, std::vector<MessageTopic>& topics) {
+  const auto same = std::find_if(topics.begin(), topics.end(), [&topic](const MessageTopic& t) {
+    return t.name == topic.name && t.type == topic.type && t.format == topic.format;
+  });
+  const auto index = static_cast<std::size_t>(same - topics.begin());
+  if (same == topics.end()) topics.push_back({topic.name, topic.type, topic.format, 0});
+  return index;
+}
+
 }  // namespace
 
 std::size_t MessageFile::topicOf(const std::string& name, const std::string& type, WireFormat format) {
-  const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const MessageTopic& t) {
-    return t.name == name && t.type == type && t.format == format;
-  });
-  if (same == topics_.end()) {
-    topics_.push_back({name, type, format, 0});
-    known_.push_back(isKnownType(type));
-    return topics_.size() - 1;
-  }
-  return static_cast<std::size_t>(same - topics_.begin());
+  const std::size_t index = indexOf({name, type, format, 0}, topics_);
+  if (index == known_.size()) known_.push_back(isKnownType(type));
+  return index;
 }
 
 void MessageFile::add(const MessageEntry& entry) {
@@ -128,15 +132,7 @@ MessageLog::MessageLog(const std::filesystem::path& path) : path_(path) {
     throw IoError(path.string(), "has no recording of messages (.bag, .db3 or .mcap) in it" +
                                      (remark_.empty() ? "" : "; " + remark_));
   for (const auto& file : files_)
-    for (const MessageTopic& topic : file->topics()) {
-      const auto same = std::find_if(topics_.begin(), topics_.end(), [&topic](const MessageTopic& t) {
-        return t.name == topic.name && t.type == topic.type && t.format == topic.format;
-      });
-      if (same == topics_.end())
-        topics_.push_back(topic);
-      else
-        same->count += topic.count;
-    }
+    for (const MessageTopic& topic : file->topics()) topics_[indexOf(topic, topics_)].count += topic.count;
   std::sort(topics_.begin(), topics_.end(),
             [](const MessageTopic& a, const MessageTopic& b) { return a.name < b.name; });
 }
