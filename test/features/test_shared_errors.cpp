@@ -12,7 +12,7 @@ TEST(SharedErrors, AreKeptInTheMetaDataOfAMap) {
   Map map;
   EXPECT_EQ(sharedErrorsOf(map).views, 0);
   EXPECT_EQ(sharedErrorsOf(map).pixels_as_one, SharedErrors().pixels_as_one);
-  map.meta[kSharedErrorsKey] = toText({62, 0.12 * kDegree, 0.005, 57});
+  map.meta[kSharedErrorsKey] = toText(SharedErrors{62, 0.12 * kDegree, 0.005, 57});
   const SharedErrors read = sharedErrorsOf(map);
   EXPECT_DOUBLE_EQ(read.pixels_as_one, 62);
   EXPECT_DOUBLE_EQ(read.rotation_std, 0.12 * kDegree);
@@ -33,7 +33,7 @@ TEST(SharedErrors, NothingInAFileIsTrusted) {
     map.meta[kSharedErrorsKey] = text;
     EXPECT_THROW(sharedErrorsOf(map), std::invalid_argument) << text;
   }
-  EXPECT_THROW(toText({-1, 0.1, 0.1, 0}), std::invalid_argument);
+  EXPECT_THROW(toText(SharedErrors{-1, 0.1, 0.1, 0}), std::invalid_argument);
 }
 
 }  // namespace
