@@ -30,7 +30,7 @@ constexpr std::string_view kFrom = " from ";
 
 constexpr std::array<const char*, 4> kErrorNames = {"pixels_as_one", "rotation_deg", "translation", "views"};
 constexpr const char* kThreshold = "the threshold of sure answers";
-constexpr const char* kErrors = "the shared errors";
+constexpr const char* kErrors = "the considered errors";
 
 [[noreturn]] void fail(const std::string& of, const std::string& cause) {
   throw std::invalid_argument(of + " in its meta data " + cause);
@@ -53,7 +53,7 @@ void requirePossible(const SureThreshold& t) {
   if (!possible) fail(kThreshold, "is impossible");
 }
 
-void requirePossible(const SharedErrors& e) {
+void requirePossible(const ConsideredErrors& e) {
   const auto isSize = [](double x) { return x > 0 && std::isfinite(x); };
   if (!isSize(e.pixels_as_one) || !isSize(e.rotation_std) || !isSize(e.translation_std) || e.views < 0)
     fail(kErrors, "are impossible");
@@ -124,24 +124,24 @@ std::optional<SureThreshold> sureThresholdOf(const Map& map) {
   return t;
 }
 
-std::string SharedErrors::toString() const {
+std::string ConsideredErrors::toString() const {
   return fmt::format("{:.2g} deg, {:.2g} mm, and {:.2g} pixels as one; {}", rotation_std / kDegree,
                      1e3 * translation_std, pixels_as_one,
                      views > 0 ? fmt::format("from {} of its views", views) : "as usual");
 }
 
-std::string toText(const SharedErrors& e) {
+std::string toText(const ConsideredErrors& e) {
   requirePossible(e);
   return fmt::format("{}={:.4g} {}={:.4g} {}={:.4g} {}={}", kErrorNames[0], e.pixels_as_one, kErrorNames[1],
                      e.rotation_std / kDegree, kErrorNames[2], e.translation_std, kErrorNames[3], e.views);
 }
 
-SharedErrors sharedErrorsOf(const Map& map) {
-  const std::string* line = metaOf(map, kSharedErrorsKey);
+ConsideredErrors consideredErrorsOf(const Map& map) {
+  const std::string* line = metaOf(map, kConsideredErrorsKey);
   if (!line) return {};
   const auto words = text::words(*line);
   if (words.size() != kErrorNames.size()) fail(kErrors, "are malformed");
-  SharedErrors e;
+  ConsideredErrors e;
   e.pixels_as_one = value<double>(kErrors, words[0], kErrorNames[0]);
   e.rotation_std = value<double>(kErrors, words[1], kErrorNames[1]) * kDegree;
   e.translation_std = value<double>(kErrors, words[2], kErrorNames[2]);

@@ -139,7 +139,7 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"  area of the hull [m2]", meanMinMax(areas, 3)});
   table.add({"camera mounting", map.camera.mounting ? toString(*map.camera.mounting) : "unknown"});
   table.add({"noise of inverse depth", noiseOf(map, noise)});
-  table.add({"errors that views share", sharedErrorsOf(map).toString()});
+  table.add({"errors that views share", consideredErrorsOf(map).toString()});
   table.add({"wrong places score", ambiguityOf(map)});
   table.add({"sure from", sureOf(map)});
   table.add({"distortion taken out", map.camera.distortion ? inDisparity(*map.camera.distortion) : "none"});
@@ -221,7 +221,7 @@ void printOwnViews(std::ostream& out, const Map& map, const Views& views) {
 /** Values of several lines, such as parameters, are indented below their key, or only counted. */
 void printMeta(std::ostream& out, const Map& map, bool all) {
   for (const auto& [key, value] : map.meta) {
-    if (key == kImagesKey || key == kSureKey || key == kRenderedKey || key == kSharedErrorsKey)
+    if (key == kImagesKey || key == kSureKey || key == kRenderedKey || key == kConsideredErrorsKey)
       continue;  // for programs
     const auto lines = static_cast<std::size_t>(std::count(value.begin(), value.end(), '\n'));
     if (lines == 0) {

@@ -117,7 +117,7 @@ DepthCalibration refinedErrors(const Calibration& calibration) {
 }
 
 HypothesisRanking::HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces,
-                                     const SharedErrors& errors)
+                                     const ConsideredErrors& errors)
     : params_(params),
       surfaces_(surfaces),
       errors_(errors),

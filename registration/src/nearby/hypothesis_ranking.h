@@ -124,7 +124,7 @@ protected:
   /** \param surfaces the kind of surfaces in views near a hypothesis (localization/METHOD 1.7)
    * \param errors of poses among these views, which no pixel shows */
   explicit HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces = MapSurfaces::seen,
-                             const SharedErrors& errors = {});
+                             const ConsideredErrors& errors = {});
 
   /** \brief The views near a hypothesis that has T_w_c. */
   virtual std::vector<NearbyView> neighbours(const Hypothesis& h) const = 0;
@@ -157,7 +157,7 @@ private:
 
   RegistrationParams params_;
   MapSurfaces surfaces_;
-  SharedErrors errors_;
+  ConsideredErrors errors_;
   DepthComparison comparison_, refined_comparison_;
 };
 

@@ -42,14 +42,14 @@ constexpr const char* kRenderedKey = "rendered views";
 /** \brief Flags the local models that were rendered: these views show nothing that others have not shown. */
 std::vector<char> renderedViews(const Map& map);
 
-/** \brief Key of a map's meta data: its SharedErrors, as toText() writes them. */
-constexpr const char* kSharedErrorsKey = "shared errors";
+/** \brief Key of a map's meta data: its ConsideredErrors, as toText() writes them. */
+constexpr const char* kConsideredErrorsKey = "considered errors";
 
 /** \brief Errors of a view in a map that no number of its pixels averages out: those that neighbouring pixels
  * share, those that whole views share, and the errors of the poses of the map's local models. A map learns
  * them from its own overlapping views when it is made (mapping/METHOD 2.3); by default, those of usual depth
  * cameras and poses. */
-struct SharedErrors {
+struct ConsideredErrors {
   double pixels_as_one = 200;            ///< compared pixels with the information of one, positive
   double rotation_std = 0.35 * kDegree;  ///< about each axis [rad], positive
   double translation_std = 0.008;        ///< along each axis [m], positive
@@ -60,10 +60,10 @@ struct SharedErrors {
 };
 
 /** \brief For the meta data of a map: one line. Throws std::invalid_argument for impossible numbers. */
-std::string toText(const SharedErrors& errors);
+std::string toText(const ConsideredErrors& errors);
 /** \brief The errors in the meta data of a map; the usual ones if it was not asked. Throws
  * std::invalid_argument for malformed or impossible ones. */
-SharedErrors sharedErrorsOf(const Map& map);
+ConsideredErrors consideredErrorsOf(const Map& map);
 
 /** \brief Key of a map's meta data: its SureThreshold, as toText() writes it. */
 constexpr const char* kSureKey = "sure";

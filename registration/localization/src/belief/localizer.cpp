@@ -44,7 +44,7 @@ struct Localizer::Impl {
       : map(the_map),
         params(checked(the_params)),
         localization_params(the_localization),
-        errors(sharedErrorsOf(*the_map)),
+        errors(consideredErrorsOf(*the_map)),
         min_probability(minProbabilityOf(*the_map)),
         localization(the_map, the_localization),
         belief(the_map, the_localization, params),
@@ -95,7 +95,7 @@ struct Localizer::Impl {
   LocalizerParams params;
   GlobalLocalizationParams localization_params;
   int threads = 1;
-  SharedErrors errors;
+  ConsideredErrors errors;
   double min_probability;
   GlobalLocalization localization;
   PlaceBelief belief;

@@ -28,7 +28,7 @@ double slopeOf(const ProbabilityCalibration& params, const std::optional<MapAmbi
 }  // namespace
 
 PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
-    : HypothesisRanking(params, surfacesOf(*map), sharedErrorsOf(*map)),
+    : HypothesisRanking(params, surfacesOf(*map), consideredErrorsOf(*map)),
       map_(std::move(map)),
       params_(params),
       score_(params, comparison()),

@@ -114,7 +114,7 @@ Map ModelMap::Impl::build() {
   Map map;
   map.camera = given.camera;
   setSurfaces(surfacesOf(*given.surface), map);
-  map.meta[kSharedErrorsKey] = toText(SharedErrors());  // rendered views tell nothing of a camera
+  map.meta[kConsideredErrorsKey] = toText(ConsideredErrors());  // rendered views tell nothing of a camera
   std::vector<Eigen::Isometry3d> used;
   std::vector<UnreadImage> unread;
   run.buildViews(run.all(), MapProgress::Stage::models, unread,

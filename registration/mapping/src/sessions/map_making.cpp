@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/considered_errors.h"
 #include "calibration/distortion_calibration.h"
 #include "calibration/map_ambiguity.h"
-#include "calibration/shared_errors.h"
 #include "sessions/image_run.h"
 #include "trajectory/trajectory_links.h"
 
@@ -84,9 +84,9 @@ std::optional<FoundMounting> completeMap(MapSink& sink, const MapCompletion& how
     sink.setMounting(map->camera, *found);
   }
   sink.setPlaceIndex(*map);
-  if (map->meta.count(kSharedErrorsKey) == 0) {
+  if (map->meta.count(kConsideredErrorsKey) == 0) {
     if (const std::vector<RealignedView> views = realignedViews(map, how.threads); !views.empty())
-      sink.setMeta(kSharedErrorsKey, map->meta[kSharedErrorsKey] = toText(sharedErrors(views)));
+      sink.setMeta(kConsideredErrorsKey, map->meta[kConsideredErrorsKey] = toText(consideredErrors(views)));
   }
   if (map->ambiguity) return found;
   const AliasScores scores = findAliases(map, how);

@@ -135,10 +135,10 @@ Map mergedMap(const std::vector<Map>& maps, const std::vector<std::string>& name
     const auto same = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
     const std::string prefix = same > 0 ? fmt::format("{}_{}.", names[i], same + 1) : names[i] + ".";
     for (const auto& [key, value] : maps[i].meta)
-      if (key != kSureKey && key != kRenderedKey && key != kSharedErrorsKey)
+      if (key != kSureKey && key != kRenderedKey && key != kConsideredErrorsKey)
         merged.meta[prefix + key] = value;
-    const auto errors = maps[i].meta.find(kSharedErrorsKey);
-    if (errors != maps[i].meta.end() && sharedErrorsOf(maps[i]).views == 0) merged.meta.insert(*errors);
+    const auto errors = maps[i].meta.find(kConsideredErrorsKey);
+    if (errors != maps[i].meta.end() && consideredErrorsOf(maps[i]).views == 0) merged.meta.insert(*errors);
   }
   setSurfaces(surfacesOfAll(maps), merged);
   requireUniqueNames(merged);

@@ -225,7 +225,7 @@ public:
     if (changes_.any()) {
       map_.ambiguity.reset();
       map_.meta.erase(kSureKey);
-      if (sharedErrorsOf(map_).views > 0) map_.meta.erase(kSharedErrorsKey);
+      if (consideredErrorsOf(map_).views > 0) map_.meta.erase(kConsideredErrorsKey);
       // Objects in an image need not stay.
       if (surfacesOf(map_) == MapSurfaces::fixed) setSurfaces(MapSurfaces::seen, map_);
     }

@@ -38,7 +38,7 @@ struct OwnImages {
   double min_probability;
   RightPose is_right;
   GlobalLocalizationParams params;
-  SharedErrors errors = sharedErrorsOf(*map);
+  ConsideredErrors errors = consideredErrorsOf(*map);
   internal::GlobalLocalization localization{map, params};
   std::shared_ptr<const Camera> camera = std::make_shared<const Camera>(map->camera);
   std::vector<char> rendered = renderedViews(*map);  // indexed by local model

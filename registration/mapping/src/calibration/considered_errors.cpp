@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/shared_errors.h"
+#include "calibration/considered_errors.h"
 
 #include "calibration/map_ambiguity.h"
 #include "nearby/nearby_models.h"
@@ -23,8 +23,8 @@ constexpr double kSettled = 0.02;  // step of the logarithms
 /** Logarithms of the three sizes, relative to the usual ones. */
 using Sizes = Eigen::Vector3d;
 
-SharedErrors scaled(const Sizes& by) {
-  SharedErrors errors;
+ConsideredErrors scaled(const Sizes& by) {
+  ConsideredErrors errors;
   errors.pixels_as_one *= std::exp(by[0]);
   errors.rotation_std *= std::exp(by[1]);
   errors.translation_std *= std::exp(by[2]);
@@ -36,7 +36,7 @@ SharedErrors scaled(const Sizes& by) {
 double cost(const std::vector<RealignedView>& views, const Sizes& sizes) {
   constexpr double kScale = (kTail - 2) / kTail;
   static const Matrix6d of_start = symmetricInverse(aboutStart());
-  const SharedErrors errors = scaled(sizes);
+  const ConsideredErrors errors = scaled(sizes);
   double sum = sizes.squaredNorm() / (2 * kPrior * kPrior);
   for (const RealignedView& view : views) {
     const Matrix6d of_pixels = symmetricInverse(of_start + view.information / errors.pixels_as_one);
@@ -83,7 +83,7 @@ std::vector<RealignedView> realignedViews(const std::shared_ptr<const Map>& map,
 }
 
 // Steps along each size in turn, to both sides, half as long once none is better.
-SharedErrors sharedErrors(const std::vector<RealignedView>& views) {
+ConsideredErrors consideredErrors(const std::vector<RealignedView>& views) {
   Sizes best = Sizes::Zero();
   double least = cost(views, best);
   for (double step = 1; step > kSettled;) {
@@ -98,7 +98,7 @@ SharedErrors sharedErrors(const std::vector<RealignedView>& views) {
       }
     if (!is_better) step /= 2;
   }
-  SharedErrors errors = scaled(best);
+  ConsideredErrors errors = scaled(best);
   errors.views = static_cast<int>(views.size());
   return errors;
 }

@@ -19,6 +19,6 @@ struct RealignedView {
 std::vector<RealignedView> realignedViews(const std::shared_ptr<const Map>& map, int threads);
 
 /** \brief The likeliest errors of such views; of few, drawn towards the usual. */
-SharedErrors sharedErrors(const std::vector<RealignedView>& views);
+ConsideredErrors consideredErrors(const std::vector<RealignedView>& views);
 
 }  // namespace facetloc::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/shared_errors.h"
+#include "calibration/considered_errors.h"
 
 #include <facetloc/testing/synthetic_views.h>
 
@@ -27,7 +27,7 @@ Vector6d diagonal(double rotation, double translation) {
 }
 
 /** Views of a camera with these errors, as a realignment finds them. */
-std::vector<RealignedView> viewsWith(const SharedErrors& errors, int n) {
+std::vector<RealignedView> viewsWith(const ConsideredErrors& errors, int n) {
   std::mt19937 random(7);
   std::vector<RealignedView> views(n);
   for (RealignedView& view : views) {
@@ -44,27 +44,27 @@ std::vector<RealignedView> viewsWith(const SharedErrors& errors, int n) {
 }
 
 // Student's distribution takes a normal one for a little wider than it is, never for narrower.
-TEST(SharedErrors, AreFoundFromTheErrorsOfViews) {
-  for (const SharedErrors truth :
-       {SharedErrors{4, 0.5 * kDegree, 0.02}, SharedErrors{400, 0.3 * kDegree, 0.004}}) {
-    const SharedErrors found = sharedErrors(viewsWith(truth, 200));
+TEST(ConsideredErrors, AreFoundFromTheErrorsOfViews) {
+  for (const ConsideredErrors truth :
+       {ConsideredErrors{4, 0.5 * kDegree, 0.02}, ConsideredErrors{400, 0.3 * kDegree, 0.004}}) {
+    const ConsideredErrors found = consideredErrors(viewsWith(truth, 200));
     EXPECT_EQ(found.views, 200);
     EXPECT_NEAR(found.rotation_std / truth.rotation_std, 1.2, 0.25);
     EXPECT_NEAR(found.translation_std / truth.translation_std, 1.2, 0.25);
   }
-  const SharedErrors by_pixels = sharedErrors(viewsWith({400, 1e-6, 1e-6}, 200));
+  const ConsideredErrors by_pixels = consideredErrors(viewsWith({400, 1e-6, 1e-6}, 200));
   EXPECT_NEAR(std::sqrt(by_pixels.pixels_as_one / 400), 1.2, 0.25);
   EXPECT_LT(by_pixels.rotation_std, 0.03 * kDegree);
   EXPECT_LT(by_pixels.translation_std, 1e-3);
 }
 
-TEST(SharedErrors, OfFewViewsAreDrawnTowardsTheUsual) {
-  EXPECT_EQ(sharedErrors({}).pixels_as_one, SharedErrors().pixels_as_one);
-  const SharedErrors truth{1, 0.01 * kDegree, 1e-4};
-  const double many = sharedErrors(viewsWith(truth, 100)).translation_std;
-  const double few = sharedErrors(viewsWith(truth, 3)).translation_std;
+TEST(ConsideredErrors, OfFewViewsAreDrawnTowardsTheUsual) {
+  EXPECT_EQ(consideredErrors({}).pixels_as_one, ConsideredErrors().pixels_as_one);
+  const ConsideredErrors truth{1, 0.01 * kDegree, 1e-4};
+  const double many = consideredErrors(viewsWith(truth, 100)).translation_std;
+  const double few = consideredErrors(viewsWith(truth, 3)).translation_std;
   EXPECT_LT(many, few);
-  EXPECT_LT(few, SharedErrors().translation_std);
+  EXPECT_LT(few, ConsideredErrors().translation_std);
 }
 
 /** Local models of a room, whose poses err by these standard deviations. */
@@ -81,19 +81,21 @@ std::shared_ptr<const Map> roomWithPoseErrors(double rotation, double translatio
   return map;
 }
 
-TEST(SharedErrors, OfAMapAreThoseOfItsPoses) {
-  const SharedErrors exact = sharedErrors(realignedViews(roomWithPoseErrors(0, 0), 2));
+TEST(ConsideredErrors, OfAMapAreThoseOfItsPoses) {
+  const ConsideredErrors exact = consideredErrors(realignedViews(roomWithPoseErrors(0, 0), 2));
   EXPECT_EQ(exact.views, 24);
   EXPECT_LT(exact.rotation_std, 0.1 * kDegree);
   EXPECT_LT(exact.translation_std, 0.004);
-  const SharedErrors erring = sharedErrors(realignedViews(roomWithPoseErrors(0.5 * kDegree, 0.02), 2));
+  const ConsideredErrors erring =
+      consideredErrors(realignedViews(roomWithPoseErrors(0.5 * kDegree, 0.02), 2));
   EXPECT_NEAR(erring.rotation_std, 0.5 * kDegree, 0.25 * kDegree);
   EXPECT_NEAR(erring.translation_std, 0.02, 0.01);
 }
 
-TEST(SharedErrors, AreTheSameForAnyNumberOfThreads) {
+TEST(ConsideredErrors, AreTheSameForAnyNumberOfThreads) {
   const auto map = roomWithPoseErrors(0.2 * kDegree, 0.01);
-  EXPECT_EQ(toText(sharedErrors(realignedViews(map, 1))), toText(sharedErrors(realignedViews(map, 3))));
+  EXPECT_EQ(toText(consideredErrors(realignedViews(map, 1))),
+            toText(consideredErrors(realignedViews(map, 3))));
 }
 
 }  // namespace
