@@ -31,7 +31,7 @@ std::vector<RealignedView> viewsWith(const ConsideredErrors& errors, int n) {
   std::mt19937 random(7);
   std::vector<RealignedView> views(n);
   for (RealignedView& view : views) {
-    const Vector6d std = diagonal(2e-4, 5e-4);  // of independent pixels, about some axes
+    const Vector6d std = diagonal(2e-4, 5e-4);  // independent pixels
     Matrix6d factor = std.asDiagonal();
     factor.col(0) += std.cwiseProduct(0.5 * normal(random));
     const Matrix6d of_pixels = factor * factor.transpose();
