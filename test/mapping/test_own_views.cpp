@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "poses/pose_fusion.h"
 #include "ranking/global_localization.h"
 
 #include <facetloc/features/map_metadata.h>
@@ -91,7 +92,9 @@ TEST(OwnViews, AreAnsweredAsInAMapWithoutThem) {
   EXPECT_EQ(own.state, truth.state);
   EXPECT_NEAR(own.probability, first.probability, 1e-9);
   ASSERT_TRUE(own.right);
-  const PoseWithCovariance T_w_c = *rest.models[first.model].T_w_m * first.T_m_c;
+  PoseWithCovariance T_w_c = *rest.models[first.model].T_w_m * first.T_m_c;
+  const ConsideredErrors of_stored = consideredErrorsOf(rest);
+  T_w_c.P = internal::withSharedErrors(T_w_c.P, of_stored.rotation_std, of_stored.translation_std);
   EXPECT_NEAR(*own.nees, squaredMahalanobis(T_w_c, *mapOfRoom()->models[kTwin].T_w_m), 1e-6);
 }
 
