@@ -37,6 +37,17 @@ bool isLeft(const fs::path& temporary) {
   return file ? flock(file.number(), LOCK_EX | LOCK_NB) == 0 : errno == ENOENT;
 }
 
+/** Removes the temporary files of programs that were killed from a folder. */
+void removeLeftovers(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string temporary = temporaryOf(entry.path().filename().string());
+    if (!temporary.empty() && fs::is_regular_file(entry.symlink_status(ignored)) &&
+        isLeft(folder / temporary))
+      fs::remove(entry.path(), ignored);
+  }
+}
+
 struct stat statusOf(const files::Descriptor& file, const fs::path& path) {
   struct stat status = {};
   if (fstat(file.number(), &status) != 0) throw IoError(path.string(), files::lastError());
@@ -187,16 +198,6 @@ files::Descriptor TemporaryFile::duplicate() const {
   files::Descriptor copy(fcntl(file_.number(), F_DUPFD_CLOEXEC, 0));
   if (!copy) throw WriteError(target_.string(), files::lastError());
   return copy;
-}
-
-void removeLeftovers(const fs::path& folder) {
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string temporary = temporaryOf(entry.path().filename().string());
-    if (!temporary.empty() && fs::is_regular_file(entry.symlink_status(ignored)) &&
-        isLeft(folder / temporary))
-      fs::remove(entry.path(), ignored);
-  }
 }
 
 struct OutputLock::Impl {

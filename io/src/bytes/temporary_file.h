@@ -63,7 +63,4 @@ private:
   files::Descriptor file_;
 };
 
-/** \brief Removes the temporary files of programs that were killed from a folder. */
-void removeLeftovers(const std::filesystem::path& folder);
-
 }  // namespace facetloc

@@ -3,8 +3,14 @@
 
 #include "base/median.h"
 #include "bytes/files.h"
+#include "clouds/point_formats.h"
 
 #include <facetloc/features/organized_cloud.h>
+#include <facetloc/io/error.h>
+
+#include <Eigen/Geometry>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +25,7 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
+constexpr std::uint32_t kNoPixel = std::numeric_limits<std::uint32_t>::max();
 constexpr double kLensAtMost = 0.12;  // share of the width by which a lens moves pixels in the median
 constexpr double kSmooth = 0.5;       // [px] that a smooth lens may leave
 constexpr std::size_t kSamples = 4000, kEnough = 50;
@@ -254,11 +261,10 @@ std::optional<CloudImage> imageInBestAxes(const Cloud& points, const std::option
   return inRows(sortedInto(k, cloud));
 }
 
-}  // namespace
-
-std::optional<CloudImage> imageOf(const FileCloud& file, const std::optional<Intrinsics>& camera) {
-  const Cloud& points = file.points;
-  const bool is_moved = !file.viewpoint.isApprox(Eigen::Isometry3d::Identity(), 1e-6);
+/** Empty if nothing fits. */
+std::optional<CloudImage> imageOf(const Cloud& points, const Eigen::Isometry3d& viewpoint,
+                                  const std::optional<Intrinsics>& camera) {
+  const bool is_moved = !viewpoint.isApprox(Eigen::Isometry3d::Identity(), 1e-6);
   std::optional<CloudImage> found;
   if (camera) {
     if (fits(points, *camera)) found = CloudImage{depthImage(points, *camera)};
@@ -268,7 +274,7 @@ std::optional<CloudImage> imageOf(const FileCloud& file, const std::optional<Int
   if (found && is_moved)
     found->remark = "the VIEWPOINT of the clouds is ignored: their points are in the camera's own frame";
   if (!found && is_moved) {
-    found = imageInBestAxes(moved(points, file.viewpoint.inverse()), camera);
+    found = imageInBestAxes(moved(points, viewpoint.inverse()), camera);
     if (found) {
       std::string remark = "the points of the clouds are moved back to where their VIEWPOINT was";
       addSentence(found->remark, remark);
@@ -282,6 +288,49 @@ std::optional<CloudImage> imageOf(const FileCloud& file, const std::optional<Int
     addSentence("the points of the clouds are in millimetres", found->remark);
   }
   return found;
+}
+
+/** \param viewpoint receives the one of the header */
+Cloud readOrganizedPoints(const std::filesystem::path& path, Eigen::Isometry3d& viewpoint) {
+  const PcdHeader header(path);
+  if (header.height < 2 || header.width < 2)
+    throw IoError(path.string(),
+                  fmt::format("is not an organized cloud ({}x{})", header.width, header.height));
+  const pcl::PCLPointCloud2 raw = readPcd(path, header, &viewpoint);
+  const auto coordinate = [&](const char* name) {
+    const pcl::PCLPointField* field = fieldOf(raw, name);
+    if (!field) throw IoError(path.string(), std::string("has no field ") + name);
+    if (!isFloatingPoint(*field))
+      throw IoError(path.string(), fmt::format("has a field {} that is not of floating point", name));
+    return [&raw, type = field->datatype, offset = field->offset](std::size_t point) {
+      return static_cast<float>(numberAt(type, raw.data.data() + point * raw.point_step + offset));
+    };
+  };
+  const auto x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
+  Cloud points(header.width, header.height);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = pcl::PointXYZ(x(i), y(i), z(i));
+  points.is_dense = false;
+  return points;
+}
+
+}  // namespace
+
+void requireSizeOf(const Intrinsics& camera, int width, int height, const std::filesystem::path& path) {
+  if (width == camera.width && height == camera.height) return;
+  throw IoError(path.string(), fmt::format("is of {}x{} pixels, but the camera of {}x{}: the calibration in "
+                                           "camera.ini must be for images of this size",
+                                           width, height, camera.width, camera.height));
+}
+
+CloudImage imageOfPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera) {
+  Eigen::Isometry3d viewpoint;
+  const Cloud points = readOrganizedPoints(path, viewpoint);
+  if (camera) requireSizeOf(*camera, static_cast<int>(points.width), static_cast<int>(points.height), path);
+  if (auto found = imageOf(points, viewpoint, camera)) return std::move(*found);
+  if (camera) throw IoError(path.string(), "its points are not where the camera of the camera.ini sees them");
+  throw IoError(path.string(),
+                "does not reveal its intrinsics: it has too few points, or they are not those of a pinhole "
+                "camera at the origin (x right, y down, z forward); give a camera.ini");
 }
 
 }  // namespace facetloc::internal

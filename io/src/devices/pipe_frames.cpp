@@ -17,7 +17,18 @@
 #include <unistd.h>
 
 namespace facetloc {
+
+/** The header of a frame: one line of JSON. */
+struct internal::FrameHeader {
+  double stamp = 0;           // [s]
+  int width = 0, height = 0;  // [px]
+  std::optional<Gravity> gravity;
+  CameraKeys camera;  // numbers as text
+};
+
 namespace {
+
+using internal::FrameHeader;
 
 constexpr int kLargestSide = 1 << 14;  // [px]
 constexpr int kMostPixels = 1 << 24;   // more than any depth camera has
@@ -99,8 +110,9 @@ double depthScaleOf(const std::string& word) {
   return *scale;
 }
 
-}  // namespace
-
+/** Nothing for an object with neither width nor height, which is a line of another kind. Throws
+ * std::invalid_argument, with a sentence, for a header that is impossible, and for text that is no JSON
+ * object. */
 std::optional<FrameHeader> parseFrameHeader(const std::string& line) {
   const Json::Value json = objectIn(line);
   if (json.isNull())
@@ -122,6 +134,8 @@ std::optional<FrameHeader> parseFrameHeader(const std::string& line) {
     if (isCameraKey(key)) header.camera.emplace_back(key, wordOf(json[key], key));
   return header;
 }
+
+}  // namespace
 
 PipeFrames::PipeFrames(int file, std::string name, std::optional<CameraFile> known)
     : file_(file), name_(std::move(name)), known_(std::move(known)) {

@@ -8,10 +8,8 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
 #include <string>
 #include <string_view>

@@ -118,6 +118,14 @@ ConvexHull hullOf(const Blob& blob) {
   return hull;
 }
 
+Intrinsics readIntrinsics(Statement& row) {
+  Intrinsics k;
+  k.width = row.integer(), k.height = row.integer();
+  k.fx = row.real(), k.fy = row.real(), k.cx = row.real(), k.cy = row.real();
+  requireSound(k);
+  return k;
+}
+
 CameraMounting readMounting(Statement& row) {
   const auto cells = row.reals<kMountingCells>();
   return {cells[0], cells[1], cells[2], cells[3], cells[4], cells[5]};
@@ -227,14 +235,6 @@ Statement& operator<<(Statement& s, const Camera& camera) {
   const DepthDistortion::Values& values = camera.distortion->values();
   return s << extent.min().x() << extent.min().y() << extent.max().x() << extent.max().y()
            << blobOf<std::uint64_t>(values.begin(), values.end());
-}
-
-Intrinsics readIntrinsics(Statement& row) {
-  Intrinsics k;
-  k.width = row.integer(), k.height = row.integer();
-  k.fx = row.real(), k.fy = row.real(), k.cx = row.real(), k.cy = row.real();
-  requireSound(k);
-  return k;
 }
 
 Blob hullBlob(const ConvexHull& hull) {

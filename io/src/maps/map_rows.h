@@ -46,7 +46,6 @@ struct ModelRow {
 };
 
 /** \brief Each reads its cells from where the row is. */
-Intrinsics readIntrinsics(sqlite::Statement& row);
 Segment readSegment(sqlite::Statement& row);
 ModelRow readModel(sqlite::Statement& row);
 Link readLink(sqlite::Statement& row);

@@ -2,7 +2,6 @@
 #include "recordings/calibration_file.h"
 
 #include "base/text.h"
-#include "bytes/files.h"
 #include "bytes/yaml_entries.h"
 
 #include <facetloc/io/error.h>
@@ -145,10 +144,6 @@ std::optional<Calibration> parseCalibration(std::string_view text, const std::st
   Intrinsics k = found->intrinsics;
   k.width = std::max(k.width, 1), k.height = std::max(k.height, 1);
   return k.valid() ? found : std::nullopt;
-}
-
-std::optional<Calibration> readCalibration(const std::filesystem::path& path) {
-  return parseCalibration(files::readText(path), path.string());
 }
 
 }  // namespace facetloc::internal

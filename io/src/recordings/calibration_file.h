@@ -4,7 +4,6 @@
 #include <facetloc/features/camera_model.h>
 #include <facetloc/features/lens_distortion.h>
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,7 +24,6 @@ struct Calibration {
  * with the distortion of a pinhole camera's lens. Empty if the text has no intrinsics. Of several cameras the
  * first. Throws IoError for a lens of another model. \param source named in errors */
 std::optional<Calibration> parseCalibration(std::string_view text, const std::string& source);
-std::optional<Calibration> readCalibration(const std::filesystem::path& path);
 
 /** \brief The lens of the coefficients k1 k2 p1 p2 [k3 [k4 k5 k6]], as ROS and OpenCV have them, by the name
  * of their model: empty, plumb_bob, radtan, rational_polynomial and the like. Throws std::invalid_argument

@@ -2,7 +2,6 @@
 #include "base/text.h"
 #include "bytes/files.h"
 #include "clouds/cloud_axes.h"
-#include "clouds/point_formats.h"
 #include "images/depth_file.h"
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"
@@ -216,19 +215,11 @@ private:
 
 namespace {
 
-/** An image of another size was not taken with this camera. */
-void requireSize(const fs::path& path, int width, int height, const Intrinsics& camera) {
-  if (width == camera.width && height == camera.height) return;
-  throw IoError(path.string(), fmt::format("is of {}x{} pixels, but the camera of {}x{}: the calibration in "
-                                           "camera.ini must be for images of this size",
-                                           width, height, camera.width, camera.height));
-}
-
 /** As it is stored. */
 DepthImage depthOf(const fs::path& path, const CameraFile& file) {
   StoredDepth values = readDepthValues(path);
   const Intrinsics& intrinsics = file.camera.intrinsics;
-  requireSize(path, values.width, values.height, intrinsics);
+  internal::requireSizeOf(intrinsics, values.width, values.height, path);
   return {intrinsics,
           values.metres.empty() ? metresOf(values.numbers, file.depth_scale) : std::move(values.metres)};
 }
@@ -314,7 +305,7 @@ internal::CloudImage DepthSequence::loadAsStored(std::size_t index) const {
   if (isStoredAsCloud(index)) return internal::imageOfPcd(path, knownIntrinsics());
   if (!container_) return {depthOf(path, *camera_)};
   DepthImage image = container_->read(index);
-  requireSize(path, image.camera.width, image.camera.height, camera_->camera.intrinsics);
+  internal::requireSizeOf(camera_->camera.intrinsics, image.camera.width, image.camera.height, path);
   image.camera = camera_->camera.intrinsics;
   return {std::move(image)};
 }
@@ -356,44 +347,6 @@ void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, d
     return static_cast<std::uint16_t>(value > 0 && value < kNotMeasured ? value : 0);
   });
   writePng(path, raster);
-}
-
-namespace {
-
-internal::FileCloud readOrganizedPoints(const fs::path& path) {
-  const PcdHeader header(path);
-  if (header.height < 2 || header.width < 2)
-    throw IoError(path.string(),
-                  fmt::format("is not an organized cloud ({}x{})", header.width, header.height));
-  internal::FileCloud cloud;
-  const pcl::PCLPointCloud2 raw = readPcd(path, header, &cloud.viewpoint);
-  const auto coordinate = [&](const char* name) {
-    const pcl::PCLPointField* field = fieldOf(raw, name);
-    if (!field) throw IoError(path.string(), std::string("has no field ") + name);
-    if (!isFloatingPoint(*field))
-      throw IoError(path.string(), fmt::format("has a field {} that is not of floating point", name));
-    return [&raw, type = field->datatype, offset = field->offset](std::size_t point) {
-      return static_cast<float>(numberAt(type, raw.data.data() + point * raw.point_step + offset));
-    };
-  };
-  const auto x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
-  cloud.points = pcl::PointCloud<pcl::PointXYZ>(header.width, header.height);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) cloud.points[i] = pcl::PointXYZ(x(i), y(i), z(i));
-  cloud.points.is_dense = false;
-  return cloud;
-}
-
-}  // namespace
-
-internal::CloudImage internal::imageOfPcd(const fs::path& path, const std::optional<Intrinsics>& camera) {
-  const FileCloud cloud = readOrganizedPoints(path);
-  if (camera)
-    requireSize(path, static_cast<int>(cloud.points.width), static_cast<int>(cloud.points.height), *camera);
-  if (auto found = imageOf(cloud, camera)) return std::move(*found);
-  if (camera) throw IoError(path.string(), "its points are not where the camera of the camera.ini sees them");
-  throw IoError(path.string(),
-                "does not reveal its intrinsics: it has too few points, or they are not those of a pinhole "
-                "camera at the origin (x right, y down, z forward); give a camera.ini");
 }
 
 DepthImage readDepthPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera) {

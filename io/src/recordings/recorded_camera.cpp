@@ -235,7 +235,7 @@ std::optional<RecordedCamera> cameraOfStrayScanner(const PngSize& size, const st
 std::optional<RecordedCamera> calibratedCamera(const PngSize& size, const std::vector<fs::path>& calibrations,
                                                bool is_phone) {
   for (const fs::path& file : calibrations) {
-    auto found = readCalibration(file);
+    auto found = parseCalibration(files::readText(file), file.string());
     if (!found) continue;
     Intrinsics& k = found->intrinsics;
     const bool no_size = k.width == 0 && k.height == 0;

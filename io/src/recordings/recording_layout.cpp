@@ -35,6 +35,8 @@ std::optional<int> countAtEndOf(const std::string& name) {
   return countIn(last == std::string::npos ? name : name.substr(last + 1));
 }
 
+std::string nameOfStamp(double stamp) { return text::decimals(stamp, kStampDigits); }
+
 /** Names a frame by its stamp. */
 void setStamp(FrameFile& frame, double stamp) {
   frame.stamp = stamp;
@@ -399,8 +401,6 @@ std::string RecordingLayout::toString() const {
   if (kind != Kind::plain) return kKinds[static_cast<std::size_t>(kind)];
   return stamped ? "images named by their times" : "images in the order of their names, without times";
 }
-
-std::string nameOfStamp(double stamp) { return text::decimals(stamp, kStampDigits); }
 
 ImageTimes RecordingLayout::times() const {
   ImageTimes times{{}, numbers, unit};

@@ -52,9 +52,6 @@ RecordingLayout layoutOf(const std::vector<ListedImage>& images,
                          const std::vector<std::filesystem::path>& beside,
                          const std::vector<std::filesystem::path>& within);
 
-/** \brief A name that is a stamp. */
-std::string nameOfStamp(double stamp);
-
 /** \brief A camera, and how it was found. */
 struct RecordedCamera {
   CameraFile file;

@@ -13,23 +13,12 @@
 
 namespace facetloc {
 
-/** \brief The header of a frame in a pipe: one line of JSON (apps/frame.schema.json). */
-struct FrameHeader {
-  double stamp = 0;  ///< [s]
-  int width = 0;     ///< [px]
-  int height = 0;    ///< [px]
-  std::optional<Gravity> gravity;
-  /** Its keys about the camera, as in a camera.ini; numbers as text. */
-  CameraKeys camera;
-};
-
-/** \brief Reads the header of a frame; nothing for an object with neither width nor height, which is a line
- * of another kind. Throws std::invalid_argument, with a sentence, for a header that is impossible, and for
- * text that is no JSON object. */
-std::optional<FrameHeader> parseFrameHeader(const std::string& line);
+namespace internal {
+struct FrameHeader;
+}  // namespace internal
 
 /** \brief Frames that another program writes to a pipe, a socket or a file: of each frame a line of JSON
- * (FrameHeader) and its width * height depths, 16 bit each, little-endian.
+ * (apps/frame.schema.json) and its width * height depths, 16 bit each, little-endian.
  *
  * The first header describes the camera: its intrinsics fx, fy, cx, cy, or the name of a CameraPreset,
  * whose typical ones hold; later ones may leave that out and must not contradict it. Lines without width and
@@ -61,10 +50,10 @@ public:
 private:
   bool fill(std::chrono::steady_clock::time_point end);
   void skip(std::size_t bytes);
-  std::optional<FrameHeader> headerAtEnd(const std::string& line);
+  std::optional<internal::FrameHeader> headerAtEnd(const std::string& line);
   void takeLine(const std::string& line);
-  void begin(const FrameHeader& header);
-  std::shared_ptr<const CameraFile> cameraOf(const FrameHeader& header) const;
+  void begin(const internal::FrameHeader& header);
+  std::shared_ptr<const CameraFile> cameraOf(const internal::FrameHeader& header) const;
   bool hasFrame() const;
   void readPixels(std::size_t available);
   [[noreturn]] void fail(const std::string& cause);
