@@ -26,7 +26,7 @@ Vector6d diagonal(double rotation, double translation) {
   return d;
 }
 
-constexpr double kPixelTranslation = 5e-4;  // by pixels that are independent [m]
+constexpr double kPixelTranslation = 5e-4;  // error by independent pixels [m]
 
 /** Views of a camera with these errors, as a realignment finds them. */
 std::vector<RealignedView> viewsWith(const ConsideredErrors& errors, int n) {
