@@ -15,7 +15,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kStd = 0.02;  // error of the position of a wall in the scan [m]
+constexpr double kStd = 0.03;  // error of the position of a wall in the scan [m]
 
 Camera cameraInHand() {
   Camera camera;
