@@ -107,6 +107,13 @@ bool areRivals(const Hypothesis& a, const Hypothesis& b) {
   return a.model != b.model || !kSameAnswer.joins(a.T_m_c.T, b.T_m_c.T);
 }
 
+// Share of the pixels' information that answers of a drive may count: their errors repeat from view to view
+// while the sensor's distortion is in the images, so that planes alone count.
+double shareOfRepeated(const View& scene) {
+  constexpr double kPixelsAsOne = 50;
+  return scene.camera && scene.camera->distortion ? 1 / kPixelsAsOne : 0;
+}
+
 }  // namespace
 
 DepthCalibration refinedErrors(const Calibration& calibration) {
@@ -172,7 +179,7 @@ void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>&
   Matrix6d of_pixels;
   if (!refineByDepth(scene.depth, pictures, {}, pose, &of_pixels)) return;
   if (!kSamePlace.joins(*h.T_w_c, pose.T)) return;  // that is no refinement: planes found another place
-  pose.P = symmetricInverse(symmetricInverse(pose.P) + of_pixels / errors_.pixels_as_one);
+  pose.P = symmetricInverse(symmetricInverse(pose.P) + shareOfRepeated(scene) * of_pixels);
   h.T_w_c = pose.T;
   h.T_m_c = T_w_m.inverse() * pose;
 }
@@ -252,8 +259,13 @@ Matrix6d HypothesisRanking::shownCovariance(const View& scene, const PoseWithCov
   std::vector<PosedPicture> pictures;
   for (const NearbyView& m : models) pictures.push_back({&m.view->depth, m.T_w_m});
   const Eigen::Isometry3d T_w_m = poseOfModel(h);
-  const PoseWithCovariance shown = asShown(T_w_m * h.T_m_c, T_w_m * prior,
-                                           {scene.depth, std::move(pictures), comparison_}, kCoarseColumns);
+  PoseWithCovariance found = T_w_m * h.T_m_c, refined = found;
+  Matrix6d of_pixels;
+  const double more = 1 / errors_.pixels_as_one - shareOfRepeated(scene);  // that refine() has left out
+  if (more > 0 && refineByDepth(scene.depth, pictures, {}, refined, &of_pixels))
+    found.P = symmetricInverse(symmetricInverse(found.P) + more * of_pixels);
+  const PoseWithCovariance shown =
+      asShown(found, T_w_m * prior, {scene.depth, std::move(pictures), comparison_}, kCoarseColumns);
   return (T_w_m.inverse() * shown).P;
 }
 
