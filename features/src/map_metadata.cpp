@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fmt/format.h>
 #include <set>
 #include <sstream>
@@ -54,7 +53,7 @@ void requirePossible(const SureThreshold& t) {
 }
 
 void requirePossible(const ConsideredErrors& e) {
-  const auto isSize = [](double x) { return x > 0 && std::isfinite(x); };
+  const auto isSize = [](double x) { return x > 1e-9 && x < 1e9; };  // its square and inverse are usable
   if (!isSize(e.pixels_as_one) || !isSize(e.rotation_std) || !isSize(e.translation_std) || e.views < 0)
     fail(kErrors, "are impossible");
 }

@@ -25,6 +25,8 @@ TEST(ConsideredErrors, NothingInAFileIsTrusted) {
   Map map;
   for (const char* text : {"", "62 0.12 0.005 57", "pixels_as_one=62 rotation_deg=0.12 translation=0.005",
                            "pixels_as_one=0 rotation_deg=0.12 translation=0.005 views=57",
+                           "pixels_as_one=1e-300 rotation_deg=0.12 translation=0.005 views=57",
+                           "pixels_as_one=62 rotation_deg=1e300 translation=0.005 views=57",
                            "pixels_as_one=62 rotation_deg=nan translation=0.005 views=57",
                            "pixels_as_one=62 rotation_deg=0.12 translation=inf views=57",
                            "pixels_as_one=62 rotation_deg=0.12 translation=-1 views=57",

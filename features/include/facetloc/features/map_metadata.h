@@ -55,7 +55,7 @@ struct ConsideredErrors {
   double translation_std = 0.008;        ///< along each axis [m], positive
   int views = 0;                         ///< that have shown them; 0: the usual ones
 
-  /** \brief "0.12 deg, 5 mm, and 62 pixels as one; from 57 views". */
+  /** \brief "0.12 deg, 5 mm, and 62 pixels as one; from 57 of its views". */
   std::string toString() const;
 };
 

@@ -69,9 +69,9 @@ struct MapCompletion {
 };
 
 /** \brief Ends every map, once its local models and links are there. Adds missing parts, in this order: the
- * mounting of the camera by the floor, a place index, and the ambiguity, which is measured by localizing
- * views of the map in it without their surroundings (localization/METHOD 1.5). \return the mounting, if it
- * was found now */
+ * mounting of the camera by the floor, a place index, the considered errors (METHOD 2.3), and the ambiguity,
+ * which is measured by localizing views of the map in it without their surroundings
+ * (localization/METHOD 1.5). \return the mounting, if it was found now */
 std::optional<FoundMounting> completeMap(MapSink& sink, const MapCompletion& how = {});
 /** \brief Ends a map that is in memory. */
 std::optional<FoundMounting> completeMap(const std::shared_ptr<Map>& map, const MapCompletion& how = {});
