@@ -9,7 +9,7 @@
 namespace facetloc::test {
 namespace {
 
-class MapGraph : public testing::Test {
+class MapGraph : public InAFolder {
 protected:
   /** A map whose poses all follow from links. */
   static Map byLinks(int models) {
@@ -23,7 +23,6 @@ protected:
     return ioErrorOf([&] { readGraphPoses(path_, map); });
   }
 
-  const TemporaryFolder folder_;
   const std::filesystem::path path_ = folder_ / "graph.g2o";
 };
 
