@@ -13,11 +13,8 @@ namespace facetloc::fuzz {
 /** \brief Reads everything that a recording of messages can hold. */
 inline void readMessageRecording(const std::filesystem::path& path) {
   accepts<IoError>([&] {
-    for (const auto& part : internal::messageFilesOf(path)) {
-      const auto file = internal::openMessageFile(part);
-      for (const internal::MessageEntry& entry : file->entries())
-        accepts<IoError>([&] { file->read(entry); });
-    }
+    const auto file = internal::openMessageFile(path);
+    for (const internal::MessageEntry& entry : file->entries()) accepts<IoError>([&] { file->read(entry); });
   });
   accepts<IoError>([&] {
     const DepthSequence sequence = DepthSequence::open(path);
