@@ -23,6 +23,7 @@ using namespace internal;
 
 namespace {
 
+constexpr double kLowest = std::numeric_limits<double>::lowest();  // score
 constexpr double kMuchBetter = 10;  // score of a turned camera than of one that is not [nats]: few are turned
 
 /** Does a view show a large plane below its camera, if that is turned so? */
@@ -45,7 +46,7 @@ GlobalLocalizationParams paramsFor(const Map& map, GlobalLocalizationParams para
 }
 
 double bestScore(const std::vector<Hypothesis>& found) {
-  double best = std::numeric_limits<double>::lowest();
+  double best = kLowest;
   for (const Hypothesis& h : found) best = std::max(best, h.score);
   return best;
 }
@@ -66,7 +67,7 @@ struct GlobalLocalization::Impl {
                     std::vector<Hypothesis>& hypotheses) const;
   Localization rank(const Query& query, std::vector<Hypothesis> hypotheses, ComparedAndRefined& known) const;
   Localization localize(const Query& query, const CameraDifference& camera,
-                        const std::function<bool(int)>& excluded) const;
+                        const std::function<bool(int)>& excluded, double promising = kLowest) const;
   bool isSure(const Localization& answer) const;
 
   std::shared_ptr<const Map> map;
@@ -205,7 +206,8 @@ Localization GlobalLocalization::localize(const View& view) const {
     for (int quarter = 1; quarter < 4; ++quarter) {
       const PoseWithCovariance turned{quarterTurns(quarter), impl_->anywhere.P};
       if (shows_floor && !showsFloor(view, turned.T)) continue;
-      Localization otherwise = impl_->localize(Query(view, turned), answer.camera, impl_->absent);
+      // The right quarter shows with the likeliest models; the others would cost as much as a whole search.
+      Localization otherwise = impl_->localize(Query(view, turned), answer.camera, impl_->absent, kByChance);
       const bool is_better = otherwise.state == AnswerState::sure &&
                              (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
                                                                answer.hypotheses.front().score + kMuchBetter);
@@ -230,14 +232,15 @@ void GlobalLocalization::Impl::stateAsShown(const View& view, const PoseWithCova
 }
 
 Localization GlobalLocalization::Impl::localize(const Query& query, const CameraDifference& camera,
-                                                const std::function<bool(int)>& excluded) const {
+                                                const std::function<bool(int)>& excluded,
+                                                double promising) const {
   Localization answer;
   std::vector<Hypothesis> found;
   ComparedAndRefined known;
   for (const NextBatch& next : shortlist.batches(query, camera.sameMounting(), threads, excluded)) {
     registerWith(next(bestScore(found)), query, camera.sameMounting(), found);
     answer = rank(query, found, known);
-    if (isSure(answer)) break;
+    if (isSure(answer) || bestScore(found) < promising) break;
   }
   answer.camera = camera;
   answer.decide();

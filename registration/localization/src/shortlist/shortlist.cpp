@@ -209,7 +209,12 @@ std::vector<NextBatch> Shortlist::overlaid(const Query& query, int threads,
   batches.push_back(asItIs(byModel(batchOf(0, p.first_models, false))));
   Batch others = batchOf(p.first_models, p.overlaid_size, true);
   if (!others.empty())
-    batches.push_back([this, &query, others = std::move(others), threads](double reached) {
+    batches.push_back([this, &query, others = std::move(others), threads](double reached) mutable {
+      // Where there is no overlay, not three planes agree: of use only if the place seems to be in the map.
+      if (reached < kByChance)
+        others.erase(
+            std::remove_if(others.begin(), others.end(), [](const Start& s) { return !s.is_aligned; }),
+            others.end());
       return examined(query, others, static_cast<int>(others.size()), reached, threads);
     });
   return batches;

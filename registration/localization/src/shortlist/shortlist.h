@@ -17,6 +17,9 @@
 
 namespace facetloc::internal {
 
+/** \brief Score of a place that is as likely as a wrong one [nats]. */
+constexpr double kByChance = 0;
+
 /** \brief A local model that a view is registered with, and about where correspondences are looked for. */
 struct Start {
   int model = 0;
