@@ -4,6 +4,7 @@
 #include "depth/depth_consistency.h"
 #include "depth/depth_difference.h"
 #include "nearby/view_alignment.h"
+#include "threads/in_parallel.h"
 
 #include <Eigen/Cholesky>
 
@@ -27,14 +28,18 @@ constexpr double kLeastShare =
     0.01;  // least standard deviation of the field at any node, as a share of the noise
 constexpr double kRoughness = 1e-4;  // uncorrelated share of its variance: keeps the prior regular
 constexpr ViewReach kReach{2.5, 60 * kDegree};
-constexpr int kPairsPerPicture = 8;
+constexpr std::size_t kPairsPerPicture = 8;
 constexpr int kFewestPixels = 40;  // common pixels of two pictures on a coarse grid
 constexpr double kPixelError =
     1.5;  // error of a difference of two inverse depths [noise std]: sqrt 2 and a bit
 constexpr double kCorrelatedPixels =
     8;  // number of pixels with the information of one: errors of neighbours are correlated
-constexpr double kGate = 3;  // differences beyond this number of standard deviations have no weight
-constexpr int kIterations = 10;
+constexpr double kGate = 3;      // differences beyond this number of standard deviations have no weight
+constexpr int kIterations = 10;  // at most, of which all but the last ones see a share of the pairs
+constexpr int kLastIterations = 3;
+constexpr std::size_t kFirstPairs = 500;  // that first iterations see, about
+constexpr std::size_t kPairsAtOnce =
+    16;  // equations that are added up together, however many threads there are
 constexpr PoseAccuracy kExact{0.01 * kDegree, 0.0003};  // no poses are known better
 constexpr PoseAccuracy kGoodEnough{0.3 * kDegree, 0.015};
 constexpr double kConverged = 0.01;  // change of the field [its prior's standard deviation]
@@ -58,8 +63,9 @@ struct PairEquations {
 class DistortionProblem {
 public:
   DistortionProblem(const std::vector<PosedPicture>& pictures, const SensorNoise& noise,
-                    const PoseAccuracy& poses)
-      : field_(DepthDistortion::extentOf(pictures.front().picture->camera)),
+                    const PoseAccuracy& poses, int threads)
+      : threads_(threads),
+        field_(DepthDistortion::extentOf(pictures.front().picture->camera)),
         error_(kPixelError * noise.ofInverseDepth(DepthNoise::kUsualDepth)) {
     for (int i = 0; i < kNodes; ++i) {
       const double across = field_.rayOf(i).norm();
@@ -80,7 +86,10 @@ public:
   bool empty() const { return pairs_.empty(); }
 
   DistortionEstimate solve() {
-    for (int i = 0; i < kIterations && improve() > kConverged; ++i) {
+    const std::size_t first_share = std::max<std::size_t>(1, pairs_.size() / kFirstPairs);
+    for (int i = kLastIterations; i < kIterations && improve(first_share) > kConverged; ++i) {
+    }
+    for (int i = 0; i < kLastIterations && improve(1) > kConverged; ++i) {
     }
     return {field_, poses_};
   }
@@ -91,9 +100,12 @@ private:
   template <class Visitor>
   void forEachDifference(const Pair& pair, int columns, const Visitor& visit) const;
   PairEquations equationsOf(const Pair& pair) const;
-  double improve();
+  /** One Gauss-Newton step by each pair of a share, and the pose accuracy that it shows. \return its size
+   * [standard deviations of the prior]. */
+  double improve(std::size_t share);
   void setPoseAccuracy(const PoseAccuracy& poses);
 
+  int threads_;
   DepthDistortion field_;
   double error_;
   NodeVector prior_std_;
@@ -137,16 +149,20 @@ bool DistortionProblem::overlap(const Pair& pair) const {
 
 /** For each picture some of those that overlap with it, from all around. */
 void DistortionProblem::choosePairs(const std::vector<PosedPicture>& pictures) {
-  for (const PosedPicture& a : pictures) {
+  std::vector<std::vector<Pair>> of_picture(pictures.size());
+  forEachInParallel(static_cast<int>(pictures.size()), threads_, [&](int i) {
+    const PosedPicture& a = pictures[static_cast<std::size_t>(i)];
     std::vector<Pair> possible;
     for (const PosedPicture& b : pictures) {
       if (&a == &b || !std::isfinite(viewDistance(a.T_w_c, b.T_w_c, kReach))) continue;
       const Pair pair{a.picture, b.picture, b.T_w_c.inverse() * a.T_w_c};
       if (overlap(pair)) possible.push_back(pair);
     }
-    const std::size_t n = std::min<std::size_t>(kPairsPerPicture, possible.size());
-    for (std::size_t i = 0; i < n; ++i) pairs_.push_back(possible[i * possible.size() / n]);
-  }
+    std::vector<Pair>& chosen = of_picture[static_cast<std::size_t>(i)];
+    const std::size_t n = std::min(kPairsPerPicture, possible.size());
+    for (std::size_t k = 0; k < n; ++k) chosen.push_back(possible[k * possible.size() / n]);
+  });
+  for (const std::vector<Pair>& pairs : of_picture) pairs_.insert(pairs_.end(), pairs.begin(), pairs.end());
 }
 
 PairEquations DistortionProblem::equationsOf(const Pair& pair) const {
@@ -193,27 +209,35 @@ void DistortionProblem::setPoseAccuracy(const PoseAccuracy& poses) {
       Eigen::Vector3d::Constant(2 * poses_.translation_std * poses_.translation_std);
 }
 
-/** One Gauss-Newton step, and the pose accuracy that it shows. \return its size [standard deviations of the
- * prior]. */
-double DistortionProblem::improve() {
-  NodeVector values = Eigen::Map<const NodeVector>(field_.values().data());
-  NodeMatrix A = prior_information_;
-  NodeVector h = prior_information_ * values;
+double DistortionProblem::improve(std::size_t share) {
   struct Motion {
     Vector6d alone;         // step if the field stays
     NodesByMotion by_node;  // and how the field changes it
     Vector6d variance;
   };
-  std::vector<Motion> motions;
-  motions.reserve(pairs_.size());
-  for (const Pair& pair : pairs_) {
-    const PairEquations e = equationsOf(pair);
-    const Eigen::LLT<Matrix6d> solver(e.of_motion);
-    motions.push_back(
-        {solver.solve(e.h_motion), solver.solve(e.coupling), solver.solve(Matrix6d::Identity()).diagonal()});
-    A += e.A - e.coupling.transpose() * motions.back().by_node;
-    h += e.h - e.coupling.transpose() * motions.back().alone;
-  }
+  struct FieldEquations {
+    NodeMatrix A = NodeMatrix::Zero();
+    NodeVector h = NodeVector::Zero();
+  };
+  const std::size_t used = (pairs_.size() + share - 1) / share;
+  std::vector<Motion> motions(used);
+  std::vector<FieldEquations> sums((used + kPairsAtOnce - 1) / kPairsAtOnce);
+  forEachInParallel(static_cast<int>(sums.size()), threads_, [&](int block) {
+    FieldEquations& sum = sums[static_cast<std::size_t>(block)];
+    const std::size_t first = static_cast<std::size_t>(block) * kPairsAtOnce;
+    for (std::size_t i = first; i < std::min(used, first + kPairsAtOnce); ++i) {
+      const PairEquations e = equationsOf(pairs_[i * share]);
+      const Eigen::LLT<Matrix6d> solver(e.of_motion);
+      motions[i] = {solver.solve(e.h_motion), solver.solve(e.coupling),
+                    solver.solve(Matrix6d::Identity()).diagonal()};
+      sum.A += e.A - e.coupling.transpose() * motions[i].by_node;
+      sum.h += e.h - e.coupling.transpose() * motions[i].alone;
+    }
+  });
+  NodeVector values = Eigen::Map<const NodeVector>(field_.values().data());
+  NodeMatrix A = prior_information_;
+  NodeVector h = prior_information_ * values;
+  for (const FieldEquations& sum : sums) A += sum.A, h += sum.h;
   const NodeVector step = -A.llt().solve(h);
   if (!step.allFinite()) return 0;
   values += step;
@@ -221,13 +245,14 @@ double DistortionProblem::improve() {
   std::copy(values.data(), values.data() + kNodes, nodes.begin());
   field_ = DepthDistortion(field_.extent(), nodes);
   Vector6d squares = Vector6d::Zero();
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+  for (std::size_t i = 0; i < used; ++i) {
+    Pair& pair = pairs_[i * share];
     const Vector6d motion = -(motions[i].alone + motions[i].by_node * step);
-    pairs_[i].motion += motion;
-    pairs_[i].T_b_a = boxplus(pairs_[i].T_b_a, motion);
-    squares += pairs_[i].motion.cwiseAbs2() + motions[i].variance;
+    pair.motion += motion;
+    pair.T_b_a = boxplus(pair.T_b_a, motion);
+    squares += pair.motion.cwiseAbs2() + motions[i].variance;
   }
-  const double n = 2 * 3 * static_cast<double>(pairs_.size());  // two poses, three axes
+  const double n = 2 * 3 * static_cast<double>(used);  // two poses, three axes
   setPoseAccuracy({std::sqrt(squares.head<3>().sum() / n), std::sqrt(squares.tail<3>().sum() / n)});
   return std::sqrt(step.cwiseQuotient(prior_std_).squaredNorm() / kNodes);
 }
@@ -241,7 +266,7 @@ bool DistortionEstimate::reliable() const {
 
 std::optional<DistortionEstimate> internal::calibrateDistortion(const std::vector<PosedPicture>& pictures,
                                                                 const SensorNoise& noise,
-                                                                const PoseAccuracy& poses) {
+                                                                const PoseAccuracy& poses, int threads) {
   std::vector<PosedPicture> used;
   for (const PosedPicture& p : pictures)
     if (!p.picture->empty()) used.push_back(p);
@@ -251,7 +276,7 @@ std::optional<DistortionEstimate> internal::calibrateDistortion(const std::vecto
   if (std::any_of(used.begin(), used.end(),
                   [&](const PosedPicture& p) { return p.picture->camera != camera; }))
     return {};
-  DistortionProblem calibration(used, noise, poses);
+  DistortionProblem calibration(used, noise, poses, threads);
   if (calibration.empty()) return {};
   return calibration.solve();
 }

@@ -21,8 +21,10 @@ namespace facetloc::internal {
  * \param pictures of one camera, uncorrected
  * \param noise of that camera: random error and expected distortion
  * \param poses first guess of their accuracy
+ * \param threads 0 = all cores; the result is the same for any number
  * \return nothing if no two pictures show the same, or they are of several cameras. */
 std::optional<DistortionEstimate> calibrateDistortion(const std::vector<PosedPicture>& pictures,
-                                                      const SensorNoise& noise, const PoseAccuracy& poses);
+                                                      const SensorNoise& noise, const PoseAccuracy& poses,
+                                                      int threads = 1);
 
 }  // namespace facetloc::internal

@@ -303,7 +303,7 @@ void MapMaking::Impl::calibrate() {
   std::vector<DepthPicture> depth;
   findings.distortion = calibrateDistortion(
       pictures(depth), run.camera.noise,
-      {params.places.pose_rotation_std_deg * kDegree, params.places.pose_translation_std});
+      {params.places.pose_rotation_std_deg * kDegree, params.places.pose_translation_std}, run.threads);
   run.camera.distortion.reset();
   if (findings.distortion && findings.distortion->reliable())
     run.camera.distortion = findings.distortion->distortion;
