@@ -42,10 +42,11 @@ inline internal::Query onFloor(const View& view, const PosePriorParams& params =
 /** \brief The batches as they are made if no model has anything to say of the view. */
 inline std::vector<internal::Batch> allBatches(const internal::Shortlist& shortlist,
                                                const internal::Query& query, bool on_floor, int threads,
-                                               const std::function<bool(int)>& excluded = {}) {
+                                               const std::function<bool(int)>& excluded = {},
+                                               double reached = std::numeric_limits<double>::lowest()) {
   std::vector<internal::Batch> made;
   for (const internal::NextBatch& next : shortlist.batches(query, on_floor, threads, excluded))
-    made.push_back(next(std::numeric_limits<double>::lowest()));
+    made.push_back(next(reached));
   return made;
 }
 

@@ -79,6 +79,21 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
   EXPECT_LE(searched, 20);
 }
 
+TEST_F(SequenceInARoom, ACameraOnItsSideIsFoundAsAnUprightOne) {
+  for (const int quarters : {1, 2, 3}) {
+    const Eigen::Isometry3d roll(Eigen::AngleAxisd(quarters * EIGEN_PI / 2, Eigen::Vector3d::UnitZ()));
+    Localizer sequence(map);
+    int sure = 0;
+    for (int i = 0; i < kViews; ++i) {
+      const Eigen::Isometry3d T_w_c = truth[i] * roll;
+      const Localization answer = sequence.update(viewFrom(test::largeRoom(), T_w_c, 1 + i), i * kFrame);
+      EXPECT_FALSE(isSureAndWrong(answer, T_w_c)) << quarters << ", " << i;
+      sure += answer.state == AnswerState::sure;
+    }
+    EXPECT_GE(sure, kViews - 30) << quarters;
+  }
+}
+
 TEST_F(SequenceInARoom, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
   Localizer in_file(map), in_memory(test::inMemory(*map));
   for (int i = 0; i < 15; ++i) {

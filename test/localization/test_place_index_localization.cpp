@@ -325,7 +325,8 @@ TEST_F(PlaceIndexOfRooms, ACameraInAnyAttitudeIsLookedForInTheLikeliestModelsFir
   params.shortlist.examined_gap = 1e6;
   const View view = query(1, 0.4, 77);
   const Query in_the_hand = inTheHand(view);
-  const std::vector<Batch> batches = allBatches(Shortlist(map, params), in_the_hand, false, 1);
+  const std::vector<Batch> batches =
+      allBatches(Shortlist(map, params), in_the_hand, false, 1, {}, internal::kByChance);
   ASSERT_EQ(batches.size(), 3u);
   EXPECT_EQ(batches[0].size(), 3u);
   EXPECT_EQ(batches[1].size(), 10u);
@@ -340,11 +341,15 @@ TEST_F(PlaceIndexOfRooms, ACameraInAnyAttitudeIsLookedForInTheLikeliestModelsFir
   EXPECT_TRUE(std::includes(again.begin(), again.end(), first.begin(), first.end()));
   EXPECT_GT(different(modelsOf(batches)).size(), 0.8 * static_cast<double>(map->models.size()))
       << "all whose planes agree at all where they are laid over the view";
+  const Batch if_hopeless = allBatches(Shortlist(map, params), in_the_hand, false, 1)[2];
+  EXPECT_LT(if_hopeless.size(), batches[2].size());
+  for (const Start& s : if_hopeless) EXPECT_TRUE(s.is_aligned) << "the others are of use if a place is found";
   GlobalLocalizationParams narrow;
   narrow.shortlist.examined_gap = 5;
   EXPECT_LT(allBatches(Shortlist(map, narrow), in_the_hand, false, 1)[2].size(), batches[2].size() / 2);
 
-  const std::vector<Batch> by_four = allBatches(Shortlist(map, params), in_the_hand, false, 4);
+  const std::vector<Batch> by_four =
+      allBatches(Shortlist(map, params), in_the_hand, false, 4, {}, internal::kByChance);
   for (std::size_t i = 0; i < batches.size(); ++i) EXPECT_EQ(modelsOf(by_four[i]), modelsOf(batches[i]));
   params.shortlist.overlaid_size = 25;
   const std::size_t few =

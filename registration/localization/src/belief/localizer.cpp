@@ -106,6 +106,7 @@ struct Localizer::Impl {
   double latest_observation = -std::numeric_limits<double>::infinity(),
          next_check = latest_observation;  // [s]
   double own_probability = 0;              // the first place by the latest observation alone, if sure
+  std::optional<int> quarters;             // roll of the camera, once an image is sure of it
   int observations_unsearched = 0;         // observations since the whole map was searched
   Camera camera;                           // camera of clouds and images
   std::optional<ViewBuilder> builder;
@@ -123,6 +124,7 @@ void Localizer::Impl::forget() {
   belief.clear();
   following.clear();
   contradicted_since.reset();
+  quarters.reset();
   latest_observation = next_check = -std::numeric_limits<double>::infinity();
 }
 
@@ -220,7 +222,7 @@ void Localizer::Impl::follow(Step& step) {
 
 void Localizer::Impl::search(Step& step) {
   step.searched = true;
-  const Localization found = localization.localize(*step.view, std::function<bool(int)>());
+  const Localization found = localization.localize(*step.view, {}, quarters);
   step.of_search = found.reason;
   const std::optional<double> of_best = belief.observe(step.view, &found, step.alone);
   const bool is_elsewhere = of_best ? *of_best < -kContradiction : isSure(found);
@@ -259,15 +261,15 @@ void Localizer::Impl::lookAround(Step& step) {
   if (++observations_unsearched >= kListening) {
     observations_unsearched = 0;
     step.searched = true;
-    const Localization found = localization.localize(*step.view, std::function<bool(int)>());
+    const Localization found = localization.localize(*step.view, {}, quarters);
     if (isSure(found)) {
       belief.observe(step.view, &found);
       return hear(found);
     }
   }
   const std::vector<int> near = belief.modelsAround(kNearModels);
-  const Localization found = localization.localize(
-      *step.view, [&](int model) { return std::find(near.begin(), near.end(), model) == near.end(); });
+  const auto isFar = [&](int model) { return std::find(near.begin(), near.end(), model) == near.end(); };
+  const Localization found = localization.localize(*step.view, isFar, quarters);
   belief.observe(step.view, &found);
 }
 

@@ -58,6 +58,7 @@ struct GlobalLocalization::Impl {
 
   PoseWithCovariance priorOf(const View& view, const CameraDifference& camera) const;
   Query queryOf(const View& view, const CameraDifference& camera) const;
+  PoseWithCovariance priorOfRoll(int quarters) const { return {quarterTurns(quarters), anywhere.P}; }
   bool isLevelIn(const View& view) const;
   std::optional<Gravity> gravityOf(const View& view, int model, const View& of_model) const;
   bool mayBeTurned(const Localization& answer) const;
@@ -68,6 +69,9 @@ struct GlobalLocalization::Impl {
   Localization rank(const Query& query, std::vector<Hypothesis> hypotheses, ComparedAndRefined& known) const;
   Localization localize(const Query& query, const CameraDifference& camera,
                         const std::function<bool(int)>& excluded, double promising = kLowest) const;
+  Localization localizeAtAnyRoll(const View& view, const CameraDifference& camera,
+                                 const std::function<bool(int)>& excluded,
+                                 std::optional<int>& quarters) const;
   bool isSure(const Localization& answer) const;
 
   std::shared_ptr<const Map> map;
@@ -198,25 +202,38 @@ GlobalLocalization GlobalLocalization::without(std::function<bool(int)> absent) 
   return rest;
 }
 
-Localization GlobalLocalization::localize(const View& view) const {
-  Localization answer = localize(view, impl_->absent);
-  PoseWithCovariance about = prior(view);
-  if (!impl_->isLevelIn(view) && impl_->mayBeTurned(answer)) {
-    const bool shows_floor = showsFloor(view, Eigen::Isometry3d::Identity());
-    for (int quarter = 1; quarter < 4; ++quarter) {
-      const PoseWithCovariance turned{quarterTurns(quarter), impl_->anywhere.P};
-      if (shows_floor && !showsFloor(view, turned.T)) continue;
-      // The right quarter shows with the likeliest models; the others would cost as much as a whole search.
-      Localization otherwise = impl_->localize(Query(view, turned), answer.camera, impl_->absent, kByChance);
-      const bool is_better = otherwise.state == AnswerState::sure &&
-                             (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
-                                                               answer.hypotheses.front().score + kMuchBetter);
-      if (!is_better) continue;
-      answer = std::move(otherwise), about = turned;
-      discountTurned(answer);
-    }
+// Upright first, and the other rolls only where that finds nothing.
+Localization GlobalLocalization::Impl::localizeAtAnyRoll(const View& view, const CameraDifference& camera,
+                                                         const std::function<bool(int)>& excluded,
+                                                         std::optional<int>& quarters) const {
+  const bool is_level = isLevelIn(view);
+  if (quarters.value_or(0) != 0 && !is_level)
+    return localize(Query(view, priorOfRoll(*quarters)), camera, excluded);
+  Localization answer = localize(queryOf(view, camera), camera, excluded);
+  if (answer.state == AnswerState::sure) quarters = 0;
+  if (quarters || is_level || !mayBeTurned(answer)) return answer;
+  const bool shows_floor = showsFloor(view, Eigen::Isometry3d::Identity());
+  for (int quarter = 1; quarter < 4; ++quarter) {
+    if (shows_floor && !showsFloor(view, quarterTurns(quarter))) continue;
+    // The right roll shows with the likeliest models; the others would cost as much as a whole search.
+    Localization otherwise = localize(Query(view, priorOfRoll(quarter)), camera, excluded, kByChance);
+    const bool is_better = otherwise.state == AnswerState::sure &&
+                           (answer.hypotheses.empty() || otherwise.hypotheses.front().score >
+                                                             answer.hypotheses.front().score + kMuchBetter);
+    if (!is_better) continue;
+    answer = std::move(otherwise), quarters = quarter;
+    discountTurned(answer);
   }
-  impl_->stateAsShown(view, about, answer.camera.sameMounting(), answer.hypotheses);
+  return answer;
+}
+
+Localization GlobalLocalization::localize(const View& view) const {
+  const CameraDifference camera = differenceFrom(impl_->map->camera, view);
+  std::optional<int> quarters;
+  Localization answer = impl_->localizeAtAnyRoll(view, camera, impl_->absent, quarters);
+  const PoseWithCovariance about =
+      quarters.value_or(0) != 0 ? impl_->priorOfRoll(*quarters) : impl_->priorOf(view, camera);
+  impl_->stateAsShown(view, about, camera.sameMounting(), answer.hypotheses);
   concludePose(impl_->params.sure, answer);
   return answer;
 }
@@ -250,6 +267,11 @@ Localization GlobalLocalization::Impl::localize(const Query& query, const Camera
 Localization GlobalLocalization::localize(const View& view, const std::function<bool(int)>& excluded) const {
   const CameraDifference camera = differenceFrom(impl_->map->camera, view);
   return impl_->localize(impl_->queryOf(view, camera), camera, excluded);
+}
+
+Localization GlobalLocalization::localize(const View& view, const std::function<bool(int)>& excluded,
+                                          std::optional<int>& quarters) const {
+  return impl_->localizeAtAnyRoll(view, differenceFrom(impl_->map->camera, view), excluded, quarters);
 }
 
 Localization GlobalLocalization::localize(const View& view, const PoseWithCovariance& prior) const {

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace facetloc::internal {
@@ -27,8 +28,8 @@ namespace facetloc::internal {
  *
  * For two known mountings that differ, the prior is about their difference, such as half a turn of a
  * camera mounted upside down. Where one of them is unknown and the best place is improbable, the view is
- * also searched for as seen by a camera turned by 90, 180 and 270 deg about its optical axis. A place that is
- * sure so is the answer, with the probability that it has if one camera of ten is turned.
+ * also searched for as seen by a camera rolled by 90, 180 and 270 deg about its optical axis. A place that is
+ * sure so is the answer, with the probability that it has if one camera of ten is rolled.
  *
  * The answer is the same for any number of threads. */
 class GlobalLocalization {
@@ -53,6 +54,10 @@ public:
    * covariances are by the derivatives of planes and pixels alone, not by the shape of the cost
    * (registration/METHOD 11.4). Excluded ones still give evidence of the places that others find. */
   Localization localize(const View& view, const std::function<bool(int model)>& excluded) const;
+  /** \brief The same for a camera that stays rolled. \param quarters of a turn about its optical axis against
+   * the map's cameras; empty while unknown, and filled in by an answer that is sure */
+  Localization localize(const View& view, const std::function<bool(int model)>& excluded,
+                        std::optional<int>& quarters) const;
   /** \brief Its localize(view) answers as in the map without the absent local models, which neither find a
    * place nor give evidence of one. Large data are shared. */
   GlobalLocalization without(std::function<bool(int model)> absent) const;
