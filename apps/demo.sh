@@ -10,7 +10,7 @@ out=${1:-$root/out/demo}
 
 "$root/cmake/install_dependencies.sh"
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFACETLOC_BUILD_TESTS=OFF >/dev/null
-cmake --build "$build"
+cmake --build "$build" --target facetloc_{simulate,map,segment,localize,render,evaluate}
 bin=$build/apps
 
 mkdir -p "$out"
