@@ -287,6 +287,30 @@ stage_sessions() {
   bench score_sessions "${floors[0]}" "$map" map/extended.flmap
 }
 
+# A live map of three hours on one route, and after it three mornings: each a third of a later drive, where things have been moved.
+stage_hours() {
+  local kind
+  for kind in home office; do hoursIn "$kind"; done
+}
+hoursIn() {
+  local run=hours_$1 map=hours_$1.flmap morning live=("$apps/facetloc_live" --headless --every-frame --speed 0 --quiet)
+  place "$run" "$1" --seed 3 --width 160 --map-frames 400 --rounds $((every > 1 ? 2 : 116)) --query-frames 360
+  "${live[@]}" --device "$run/map" --build "$map" --overwrite > /dev/null
+  afterHours "$1, evening" "$map" "$run/query"
+  for morning in 0 1 2; do
+    mkdir -p "$run/$morning/depth"
+    ln -sf ../query/camera.ini "$run/$morning"
+    find "$run/query/depth" -name '*.png' -printf '%f\n' | sort -n | awk -v m="$morning" 'int((NR - 1) / 120) == m' |
+      while read -r image; do ln -sf "../../query/depth/$image" "$run/$morning/depth"; done
+    "${live[@]}" --device "$run/$morning" --extend "$map" > /dev/null
+    afterHours "$1, morning $((morning + 1))" "$map" "$run/query"
+  done
+}
+afterHours() {
+  localized "$1" "$2" "$3" "0.2 2" --
+  printf '%s: %s models, %s kB\n' "$1" "$("$apps/facetloc_map" info "$2" | awk '/^  number/ { print $2 }')" "$(du -k "$2" | cut -f1)"
+}
+
 stage_pairs() {
   floors 1
   local floor
