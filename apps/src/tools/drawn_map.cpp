@@ -88,21 +88,18 @@ DrawnMap::DrawnMap(fs::path picture) : picture_(std::move(picture)) {
   renderer_ = *renderer;
 }
 
-void DrawnMap::addMarks(const std::string& name, std::vector<Eigen::Isometry3d> T_w_c) {
-  marks_.emplace_back(name, std::move(T_w_c));
-}
-
-void DrawnMap::draw(const fs::path& map) const {
+void DrawnMap::draw(const fs::path& map, const std::vector<Eigen::Isometry3d>& trajectory,
+                    const std::vector<Marks>& marks) const {
   const TemporaryFolder folder;
   std::vector<std::string> arguments = {map.string(), "-o", picture_.string(), "--quiet"};
-  if (!trajectory_.empty())
+  if (!trajectory.empty())
     arguments.insert(arguments.end(),
-                     {"--trajectory", written(folder.path() / "trajectory.txt", trajectory_)});
-  std::vector<std::string> marks;  // without a name where a kind has none: each has its colour
-  for (const auto& [name, T_w_c] : marks_)
-    marks.push_back(T_w_c.empty() ? "" : written(folder.path() / (name + ".txt"), T_w_c));
-  if (!marks.empty())
-    arguments.insert(arguments.end(), {"--marks", fmt::format("{}", fmt::join(marks, ","))});
+                     {"--trajectory", written(folder.path() / "trajectory.txt", trajectory)});
+  std::vector<std::string> files;  // without a name where a kind has none: each has its colour
+  for (const auto& [name, T_w_c] : marks)
+    files.push_back(T_w_c.empty() ? "" : written(folder.path() / (name + ".txt"), T_w_c));
+  if (!files.empty())
+    arguments.insert(arguments.end(), {"--marks", fmt::format("{}", fmt::join(files, ","))});
   if (runProgram(renderer_, arguments) != 0)
     throw IoError(picture_.string(),
                   "is not drawn by " + renderer_.string() + "; the map is in " + map.string());

@@ -127,14 +127,13 @@ private:
   }
 
   static void drawChanges(const std::string& map, const MapSession& session, const MapChanges& changes,
-                          DrawnMap& picture) {
+                          const DrawnMap& picture) {
     std::vector<Eigen::Isometry3d> T_w_c;
     for (const TrajectoryPose& pose : session.poses()) T_w_c.push_back(pose.T_w_c);
-    picture.setTrajectory(std::move(T_w_c));
-    picture.addMarks("new local models", changes.T_w_new);
-    picture.addMarks("without moved surfaces", changes.T_w_edited);
-    picture.addMarks("retired", changes.T_w_old);
-    picture.draw(map);
+    picture.draw(map, T_w_c,
+                 {{"new local models", changes.T_w_new},
+                  {"without moved surfaces", changes.T_w_edited},
+                  {"retired", changes.T_w_old}});
   }
 
   int execute(const CommandLine& line, const Console& console) override {
