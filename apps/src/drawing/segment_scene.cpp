@@ -20,13 +20,6 @@ namespace {
 
 constexpr double kViewAngle = 35 * kDegree;  // vertical field of view of the eye
 
-vtkNew<vtkPoints> toPoints(const std::vector<Eigen::Vector3d>& polygon) {
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  for (const Eigen::Vector3d& p : polygon) points->InsertNextPoint(p.data());
-  return points;
-}
-
 vtkNew<vtkCellArray> oneCell(std::size_t points, bool closed) {
   vtkNew<vtkCellArray> cells;
   const auto n = static_cast<vtkIdType>(points);
@@ -35,14 +28,24 @@ vtkNew<vtkCellArray> oneCell(std::size_t points, bool closed) {
   return cells;
 }
 
-vtkNew<vtkActor> actorOf(vtkPolyData* data, const Colour& colour) {
+/** Corners in a scene, still without cells. */
+struct Drawn {
+  vtkNew<vtkPolyData> data;
   vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(data);
   vtkNew<vtkActor> actor;
-  actor->SetMapper(mapper);
-  actor->GetProperty()->SetColor(colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
-  return actor;
-}
+
+  Drawn(const std::vector<Eigen::Vector3d>& corners, const Colour& colour, vtkRenderer* renderer) {
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToDouble();
+    for (const Eigen::Vector3d& p : corners) points->InsertNextPoint(p.data());
+    data->SetPoints(points);
+    mapper->SetInputData(data);
+    mapper->SetResolveCoincidentTopologyToPolygonOffset();
+    actor->SetMapper(mapper);
+    actor->GetProperty()->SetColor(colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
+    renderer->AddActor(actor);
+  }
+};
 
 /** Smallest distance of the eye from the origin of rotated content, z away from the eye, that shows all of
  * it. \param tangent of half the angle of view. */
@@ -91,32 +94,22 @@ void SegmentScene::addCamera(const Intrinsics& camera, const Eigen::Isometry3d& 
 }
 
 void SegmentScene::addFill(const Polygon& corners, const Colour& colour) {
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(toPoints(corners));
-  data->SetPolys(oneCell(corners.size(), false));
-  const auto actor = actorOf(data, colour);
-  actor->GetProperty()->SetAmbient(0.55);
-  actor->GetProperty()->SetDiffuse(0.45);
-  actor->GetProperty()->SetInterpolationToFlat();
+  const Drawn fill(corners, colour, renderer_);
+  fill.data->SetPolys(oneCell(corners.size(), false));
+  fill.actor->GetProperty()->SetAmbient(0.55);
+  fill.actor->GetProperty()->SetDiffuse(0.45);
+  fill.actor->GetProperty()->SetInterpolationToFlat();
   // Behind the lines of the same plane.
-  auto* mapper = vtkPolyDataMapper::SafeDownCast(actor->GetMapper());
-  mapper->SetResolveCoincidentTopologyToPolygonOffset();
-  mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(1, 1);
-  renderer_->AddActor(actor);
+  fill.mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(1, 1);
 }
 
 void SegmentScene::addLine(const Polygon& points, bool closed, const Colour& colour, double width) {
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(toPoints(points));
-  data->SetLines(oneCell(points.size(), closed));
-  const auto actor = actorOf(data, colour);
-  actor->GetProperty()->SetLineWidth(static_cast<float>(width));
+  const Drawn line(points, colour, renderer_);
+  line.data->SetLines(oneCell(points.size(), closed));
+  line.actor->GetProperty()->SetLineWidth(static_cast<float>(width));
   // The thicker one of lines in the same place is in front.
-  auto* mapper = vtkPolyDataMapper::SafeDownCast(actor->GetMapper());
-  mapper->SetResolveCoincidentTopologyToPolygonOffset();
-  mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0, -2 * width);
-  actor->GetProperty()->SetLighting(false);
-  renderer_->AddActor(actor);
+  line.mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0, -2 * width);
+  line.actor->GetProperty()->SetLighting(false);
 }
 
 void SegmentScene::lookAlong(const Eigen::Vector3d& direction, const Eigen::Vector3d& up) {
