@@ -46,11 +46,6 @@ std::vector<ErrorGroup> grouped(const std::vector<FrameEvaluation>& frames, cons
   return groups;
 }
 
-StageTime stageTime(const std::string& stage, std::vector<double> ms) {
-  const Sample s(std::move(ms));
-  return {stage, s.values.size(), s.mean, s.bound(0.5), s.bound(kMostShare), s.max};
-}
-
 std::optional<MissKind> missKind(const FrameEvaluation& f, bool relative) {
   const std::optional<bool> right = isRight(f, relative);
   if (f.state == AnswerState::sure && !right.value_or(true)) return MissKind::confident_wrong;
@@ -114,17 +109,20 @@ std::vector<ErrorGroup> errorsByDistance(const std::vector<FrameEvaluation>& fra
 }
 
 std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows) {
-  std::vector<double> segment, features, localize, sum;
-  for (const TimingRow& row : rows) {
-    if (row.sum() == 0) continue;  // it failed
-    segment.push_back(row.segment_ms);
-    features.push_back(row.features_ms);
-    localize.push_back(row.localize_ms);
-    sum.push_back(row.sum());
-  }
-  if (sum.empty()) return {};
-  return {stageTime("segmentation", segment), stageTime("features", features),
-          stageTime("localization", localize), stageTime("all", sum)};
+  std::vector<StageTime> times;
+  const auto add = [&](const char* stage, const auto& time) {
+    std::vector<double> ms;
+    for (const TimingRow& row : rows)
+      if (row.sum() != 0) ms.push_back(std::invoke(time, row));  // else it failed
+    const Sample s(std::move(ms));
+    if (s.values.empty()) return;
+    times.push_back({stage, s.values.size(), s.mean, s.bound(0.5), s.bound(kMostShare), s.max});
+  };
+  add("segmentation", &TimingRow::segment_ms);
+  add("features", &TimingRow::features_ms);
+  add("localization", &TimingRow::localize_ms);
+  add("all", &TimingRow::sum);
+  return times;
 }
 
 const char* toString(MissKind kind) {

@@ -43,15 +43,16 @@ Quantity count(const char* table, const char* name, std::size_t Summary::*n, std
   return quantity;
 }
 
+Quantity::Value moment(Sample Summary::*of, double Sample::*which) {
+  return [of, which](const Summary& s) { return (s.*of).*which; };
+}
+
 /** The moments of an error, and the bound of most; \param paper of these four. */
 void addErrors(const char* group, Sample Summary::*of, const std::array<std::optional<double>, 4>& paper,
                std::vector<Quantity>& all) {
-  const auto moment = [of](double Sample::*which) {
-    return [of, which](const Summary& s) { return (s.*of).*which; };
-  };
-  all.push_back({"II", group, "Avg.", 2, moment(&Sample::mean), paper[0]});
-  all.push_back({"II", group, "Std.", 2, moment(&Sample::std), paper[1]});
-  all.push_back({"II", group, "Max.", 2, moment(&Sample::max), paper[2]});
+  all.push_back({"II", group, "Avg.", 2, moment(of, &Sample::mean), paper[0]});
+  all.push_back({"II", group, "Std.", 2, moment(of, &Sample::std), paper[1]});
+  all.push_back({"II", group, "Max.", 2, moment(of, &Sample::max), paper[2]});
   all.push_back({"II", group, "99 % are below", 2,
                  [of](const Summary& s) { return (s.*of).bound(kMarkedShare); }, paper[3]});
 }
@@ -85,18 +86,14 @@ std::vector<Quantity> allQuantities() {
       {"beyond", kLocal, "Poses", 0, [](const Y& s) { return static_cast<double>(s.local); }},
       {"beyond", kLocal, "Share within the limits of a correct pose [%]", 2,
        [](const Y& s) { return shareOf(s.local_correct, s.local); }},
-      {"beyond", kLocal, "Translation error, avg. [mm]", 2,
-       [](const Y& s) { return s.local_translation_mm.mean; }},
+      {"beyond", kLocal, "Translation error, avg. [mm]", 2, moment(&Y::local_translation_mm, &Sample::mean)},
       {"beyond", kLocal, "Translation error, median [mm]", 2,
        [](const Y& s) { return s.local_translation_mm.bound(0.5); }},
-      {"beyond", kLocal, "Translation error, max. [mm]", 2,
-       [](const Y& s) { return s.local_translation_mm.max; }},
-      {"beyond", kLocal, "Orientation error, avg. [deg]", 2,
-       [](const Y& s) { return s.local_rotation_deg.mean; }},
-      {"beyond", kLocal, "Orientation error, max. [deg]", 2,
-       [](const Y& s) { return s.local_rotation_deg.max; }},
+      {"beyond", kLocal, "Translation error, max. [mm]", 2, moment(&Y::local_translation_mm, &Sample::max)},
+      {"beyond", kLocal, "Orientation error, avg. [deg]", 2, moment(&Y::local_rotation_deg, &Sample::mean)},
+      {"beyond", kLocal, "Orientation error, max. [deg]", 2, moment(&Y::local_rotation_deg, &Sample::max)},
       {"beyond", kNees, "Poses", 0, [](const Y& s) { return static_cast<double>(s.nees.values.size()); }},
-      {"beyond", kNees, "Avg.", 2, [](const Y& s) { return s.nees.mean; }},
+      {"beyond", kNees, "Avg.", 2, moment(&Y::nees, &Sample::mean)},
       {"beyond", kNees, "Median (right: 5.35)", 2, [](const Y& s) { return s.nees.bound(0.5); }},
       {"beyond", kNees, "Share within the 95 % ellipsoid [%]", 2, [](const Y& s) {
          constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
