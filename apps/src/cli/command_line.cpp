@@ -8,7 +8,6 @@
 
 #include <boost/program_options.hpp>
 
-#include <algorithm>
 #include <cctype>
 #include <fmt/format.h>
 #include <set>
@@ -23,11 +22,6 @@ constexpr unsigned kHelpWidth = 110;
 constexpr const char* kNats =
     "Scores and evidence are logarithms of odds in nats: each nat multiplies the odds by 2.7.";
 constexpr const char* kUsersTitle = "For users";  // heading of those that --help does not list
-
-std::string underscored(std::string name) {
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
 
 /** A name may contain a '#': only the first one of a word begins a comment. */
 std::string withoutComment(const std::string& line) {

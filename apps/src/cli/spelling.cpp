@@ -9,12 +9,6 @@ namespace {
 
 constexpr std::size_t kCharactersPerError = 3;
 
-/** - and _ are the same in names. */
-std::string plain(std::string name) {
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
 std::size_t distanceOf(const std::string& word, const std::string& known) {
   const std::size_t whole = spellingDistance(word, known);
   const auto dot = known.rfind('.');
@@ -22,6 +16,11 @@ std::size_t distanceOf(const std::string& word, const std::string& known) {
 }
 
 }  // namespace
+
+std::string underscored(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
 
 std::size_t spellingDistance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -44,7 +43,7 @@ std::string nearestWord(const std::string& word, const std::vector<std::string>&
   std::string nearest;
   std::size_t least = word.size() / kCharactersPerError + 1;
   for (const std::string& name : known)
-    if (const std::size_t distance = distanceOf(plain(word), plain(name)); distance < least) {
+    if (const std::size_t distance = distanceOf(underscored(word), underscored(name)); distance < least) {
       least = distance;
       nearest = name;
     }

@@ -6,6 +6,8 @@
 
 namespace facetloc {
 
+/** \brief - and _ are the same in names. */
+std::string underscored(std::string name);
 /** \brief Number of characters to insert, remove, replace, or swap with their neighbour, to make one word of
  * the other. */
 std::size_t spellingDistance(const std::string& a, const std::string& b);
