@@ -70,13 +70,9 @@ void fields(Archive& archive, View& view) {
 }
 
 template <class Archive>
-void fields(Archive& archive, LocalModel& model) {
-  archive(model.name, model.stamp, model.T_w_m);
-}
-
-template <class Archive>
 void fields(Archive& archive, PackedModel& packed) {
-  archive(packed.model, packed.view, packed.depth);
+  LocalModel& model = packed.model;
+  archive(model.name, model.stamp, model.T_w_m, packed.view, packed.depth);
 }
 
 template <class Archive>
