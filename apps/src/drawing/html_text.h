@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <json/forwards.h>
 #include <map>
 #include <string>
 #include <string_view>
-
-namespace Json {
-class Value;
-}
 
 namespace facetloc {
 

@@ -8,13 +8,10 @@
 #include <facetloc/mapping/map_session.h>
 
 #include <functional>
+#include <json/forwards.h>
 #include <optional>
 #include <string>
 #include <vector>
-
-namespace Json {
-class Value;
-}
 
 namespace facetloc {
 

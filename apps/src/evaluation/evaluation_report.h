@@ -9,14 +9,11 @@
 #include <facetloc/features/finding.h>
 
 #include <filesystem>
+#include <json/forwards.h>
 #include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
-
-namespace Json {
-class Value;
-}
 
 namespace facetloc {
 

@@ -4,13 +4,10 @@
 #include <facetloc/features/camera_model.h>
 #include <facetloc/features/pose.h>
 
+#include <json/forwards.h>
 #include <optional>
 #include <stdexcept>
 #include <string>
-
-namespace Json {
-class Value;
-}
 
 namespace facetloc {
 
