@@ -10,7 +10,6 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/segmentation/sac_segmentation.h>
 
-#include <algorithm>
 #include <iostream>
 #include <iterator>
 

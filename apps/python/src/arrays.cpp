@@ -4,8 +4,6 @@
 
 #include <Eigen/LU>
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <stdexcept>
 

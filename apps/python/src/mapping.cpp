@@ -5,7 +5,6 @@
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>
 
-#include <algorithm>
 #include <mutex>
 #include <stdexcept>
 

@@ -7,7 +7,6 @@
 #include <facetloc/io/depth_values.h>
 #include <facetloc/segmentation/view_builder.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <pybind11/stl/filesystem.h>
 

@@ -2,7 +2,6 @@
 #include "drawing/vtk_picture.h"
 
 #include <vtkImageData.h>
-#include <vtkNew.h>
 #include <vtkRenderWindow.h>
 #include <vtkWindowToImageFilter.h>
 

@@ -10,9 +10,7 @@
 #include <facetloc/mapping/map_builder.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
-#include <map>
 #include <set>
 
 namespace facetloc {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/pictures.h"
 #include "evaluation/evaluation_report.h"
-#include "evaluation/verdict.h"
 
 #include <cmath>
 #include <initializer_list>

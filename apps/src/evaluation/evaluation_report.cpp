@@ -2,7 +2,6 @@
 #include "evaluation/evaluation_report.h"
 
 #include "base/text.h"
-#include "cli/text.h"
 
 #include <facetloc/io/atomic_file.h>
 
@@ -10,7 +9,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
-#include <optional>
 
 namespace facetloc {
 namespace {

@@ -6,7 +6,6 @@
 #include <facetloc/features/pose.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <optional>
 #include <stdexcept>

@@ -4,8 +4,6 @@
 #include "base/text.h"
 #include "outputs/localization_report.h"
 
-#include <facetloc/io/atomic_file.h>
-
 #include <fmt/format.h>
 #include <limits>
 #include <optional>

@@ -10,13 +10,11 @@
 
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <fmt/core.h>
 #include <fstream>
 #include <libdeflate.h>
 #include <sstream>
 #include <system_error>
-#include <utility>
 
 namespace facetloc {
 namespace {
@@ -24,12 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char *kParams = "params.ini", *kImages = "images.txt";
-
-std::ifstream opened(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw IoError(path.string(), "cannot be read");
-  return in;
-}
 
 void writeText(const fs::path& path, const std::string& text) {
   writeTextAtomically(path, [&](std::ostream& out) { out << text; });
@@ -91,12 +83,12 @@ std::string cameraLine(const std::optional<CameraFile>& file) {
 }
 
 std::string checksum(const fs::path& file) {
-  std::ifstream in = opened(file);
+  std::ifstream in(file, std::ios::binary);
   std::array<char, 1 << 16> bytes;
   std::uint32_t sum = 0;
   while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
     sum = libdeflate_crc32(sum, bytes.data(), static_cast<std::size_t>(in.gcount()));
-  if (in.bad()) throw IoError(file.string(), "cannot be read");
+  if (!in.eof()) throw IoError(file.string(), "cannot be read");
   return fmt::format("{:x}", sum);
 }
 

@@ -8,7 +8,6 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fmt/core.h>
 #include <fstream>
