@@ -47,9 +47,6 @@ public:
     for (std::thread& thread : threads_) thread.join();
   }
 
-  OrderedJobs(const OrderedJobs&) = delete;
-  OrderedJobs& operator=(const OrderedJobs&) = delete;
-
   /** \brief Waits for the end of the next job. \return false if it does not begin any more. Throws the
    * exception of any job. */
   bool next() {

@@ -15,8 +15,6 @@ class Heartbeat {
 public:
   Heartbeat(const Console& console, const std::string& what);
   ~Heartbeat();
-  Heartbeat(const Heartbeat&) = delete;
-  Heartbeat& operator=(const Heartbeat&) = delete;
 
   /** \brief For work whose results go to a stream of its own, which does not count as output here. */
   Console console(std::ostream& out) const;

@@ -22,8 +22,6 @@ class Progress {
 public:
   Progress(const Console& console, std::size_t total);
   ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
 
   void step();
 

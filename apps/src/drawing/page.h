@@ -54,8 +54,6 @@ class Page {
 public:
   Page(int width, int height);
   ~Page();
-  Page(const Page&) = delete;
-  Page& operator=(const Page&) = delete;
 
   using Points = std::vector<Eigen::Vector2d>;
   void line(const Points& points, const Pen& pen);

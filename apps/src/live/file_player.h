@@ -27,8 +27,6 @@ public:
   explicit FilePlayer(const LiveSourceOptions& options)
       : options_(options), sequence_(DepthSequence::open(options.device, hintsOf(options))) {}
   ~FilePlayer() { stop(); }
-  FilePlayer(const FilePlayer&) = delete;
-  FilePlayer& operator=(const FilePlayer&) = delete;
 
   /** \brief Plays to the sink, on a thread of its own; once. */
   void start(const FrameSink& sink) {

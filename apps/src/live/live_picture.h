@@ -27,8 +27,6 @@ public:
   /** \param window to draw into; \param map may be null. */
   LivePicture(vtkRenderWindow* window, std::shared_ptr<const Map> map);
   ~LivePicture();
-  LivePicture(const LivePicture&) = delete;
-  LivePicture& operator=(const LivePicture&) = delete;
 
   /** \brief Puts a frame into the window, at its present size, and renders it.
    * \param footer lines at the bottom, such as times and keys; pictures that are to be the same for the same

@@ -108,9 +108,6 @@ public:
     end();
   }
 
-  LiveSession(const LiveSession&) = delete;
-  LiveSession& operator=(const LiveSession&) = delete;
-
   /** \brief Where a source puts its frames. */
   LatestFrame<LiveFrame>& mailbox() { return mailbox_; }
 
@@ -192,7 +189,8 @@ private:
                         arrived.frame.gravity);
     result->segment_ms = builder_.segmentMilliseconds();
     result->features_ms = builder_.featuresMilliseconds();
-    const std::optional<Eigen::Isometry3d> motion = motionSince(arrived);
+    std::optional<Eigen::Isometry3d> motion;  // since the frame before, if both places are known
+    if (options_.odometry) motion = steps_.to(options_.odometry->at(arrived.frame.stamp, arrived.arrival));
     result->has_odometry = motion.has_value();
     if (localizer_) {
       if (relocalize_.exchange(false)) localizer_->reset();
@@ -245,12 +243,6 @@ private:
       steps_.reset();
     }
     return last_stamp_ = stamp + stamp_offset_;
-  }
-
-  /** Since the frame before, if it is known where the camera was then, and is now. */
-  std::optional<Eigen::Isometry3d> motionSince(const Arrived& arrived) {
-    if (!options_.odometry) return {};
-    return steps_.to(options_.odometry->at(arrived.frame.stamp, arrived.arrival));
   }
 
   /** Applies the robot's lines about the present pose of the camera. */

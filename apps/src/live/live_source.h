@@ -16,7 +16,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace facetloc {
 
@@ -62,8 +61,6 @@ public:
   explicit LiveSource(const LiveSourceOptions& options, std::shared_ptr<PipeFrames> pipe = {});
   /** \brief Stops it. */
   ~LiveSource();
-  LiveSource(const LiveSource&) = delete;
-  LiveSource& operator=(const LiveSource&) = delete;
 
   /** \brief Frames go to the sink from now on; once. */
   void start(const FrameSink& sink);

@@ -22,8 +22,6 @@ class LiveWindow {
 public:
   LiveWindow(const std::string& title, std::shared_ptr<const Map> map);
   ~LiveWindow();
-  LiveWindow(const LiveWindow&) = delete;
-  LiveWindow& operator=(const LiveWindow&) = delete;
 
   /** \brief Draws a frame as LivePicture does. \param footer lines at the bottom, above the keys. */
   void show(const LiveResult& result, const std::vector<std::string>& footer);

@@ -64,9 +64,6 @@ public:
     if (closes_) ::close(file_);
   }
 
-  OdometryInput(const OdometryInput&) = delete;
-  OdometryInput& operator=(const OdometryInput&) = delete;
-
   /** \brief A line that came another way, with the frames. */
   void take(const std::string& text) {
     const double now = sinceStart(Clock::now());
