@@ -29,7 +29,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -334,13 +333,9 @@ private:
     tellWhatIsMissing();
   }
 
-  void tellFaultsOfRobot() {
-    if (!odometry_) return;
-    for (std::string fault = odometry_->fault(); !fault.empty(); fault = odometry_->fault()) note(fault);
-  }
-
   void tick() {
-    tellFaultsOfRobot();
+    if (odometry_)
+      for (std::string fault = odometry_->fault(); !fault.empty(); fault = odometry_->fault()) note(fault);
     if (findings_)
       for (const Finding& finding : findings_->take()) find(finding);
     if (auto newest = newest_.take({})) {

@@ -7,7 +7,6 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/organized_cloud.h>
-#include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
@@ -44,17 +43,12 @@ Intrinsics scaledTo(const Intrinsics& camera, int width, int height) {
   return camera.subsampled(camera.width / width);
 }
 
-/** PCL's intrinsics of the device's field of view: square pixels, the centre in the middle. */
-Intrinsics nominalCamera(const DevicePicture& picture) {
-  const double f = picture.getFocalLength();
-  const int w = static_cast<int>(picture.getWidth()), h = static_cast<int>(picture.getHeight());
-  return {w, h, f, f, (w - 1) / 2.0, (h - 1) / 2.0};
-}
-
 DepthImage toDepthImage(const DevicePicture& picture, const std::optional<Intrinsics>& camera) {
   DepthImage image;
-  image.camera = nominalCamera(picture);
-  if (camera) image.camera = scaledTo(*camera, image.camera.width, image.camera.height);
+  const double f = picture.getFocalLength();
+  const int w = static_cast<int>(picture.getWidth()), h = static_cast<int>(picture.getHeight());
+  // PCL's intrinsics of the device's field of view: square pixels, the centre in the middle.
+  image.camera = camera ? scaledTo(*camera, w, h) : Intrinsics{w, h, f, f, (w - 1) / 2.0, (h - 1) / 2.0};
   const std::size_t n = static_cast<std::size_t>(picture.getWidth()) * picture.getHeight();
   std::vector<unsigned short> raw(n);
   if (picture.getMetaData()->getDataSize() != n * sizeof raw[0])  // PCL copies as many bytes as there are
