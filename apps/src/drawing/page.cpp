@@ -13,7 +13,6 @@
 #include <vtkObjectFactory.h>
 #include <vtkPen.h>
 #include <vtkStdString.h>
-#include <vtkTextProperty.h>
 #include <vtkTextRenderer.h>
 
 #include <array>
@@ -33,6 +32,12 @@ std::vector<float> toDevice(const Page::Points& points, int height) {
   return xy;
 }
 
+static_assert(static_cast<int>(Across::left) == VTK_TEXT_LEFT &&
+              static_cast<int>(Across::centre) == VTK_TEXT_CENTERED &&
+              static_cast<int>(Across::right) == VTK_TEXT_RIGHT);
+
+}  // namespace
+
 void apply(const TextStyle& style, int scale, vtkTextProperty* property) {
   property->SetFontFamilyToArial();
   property->SetFontSize(style.size * scale);
@@ -41,11 +46,6 @@ void apply(const TextStyle& style, int scale, vtkTextProperty* property) {
   property->SetJustification(static_cast<int>(style.across));
   property->SetVerticalJustificationToCentered();
 }
-static_assert(static_cast<int>(Across::left) == VTK_TEXT_LEFT &&
-              static_cast<int>(Across::centre) == VTK_TEXT_CENTERED &&
-              static_cast<int>(Across::right) == VTK_TEXT_RIGHT);
-
-}  // namespace
 
 std::vector<Eigen::Vector2d> unitCircle(int corners) {
   constexpr double kTurn = 2 * 3.14159265358979323846;

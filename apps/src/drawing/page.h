@@ -9,6 +9,7 @@
 #include <vtkNew.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
+#include <vtkTextProperty.h>
 
 #include <string>
 #include <vector>
@@ -42,6 +43,9 @@ struct TextStyle {
 
 /** \brief The corners of a regular polygon about the origin, of radius 1. */
 std::vector<Eigen::Vector2d> unitCircle(int corners);
+
+/** \brief Sets up texts of VTK, their height centred. */
+void apply(const TextStyle& style, int scale, vtkTextProperty* property);
 
 /** \brief Width of a text [px]. */
 double textWidth(const std::string& text, const TextStyle& style);

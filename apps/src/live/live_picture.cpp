@@ -15,7 +15,6 @@
 #include <vtkImageData.h>
 #include <vtkImageMapper.h>
 #include <vtkTextActor.h>
-#include <vtkTextProperty.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,12 +33,7 @@ class Label {
 public:
   Label(vtkRenderer* renderer, int size, const Colour& colour, bool bold = false)
       : style_{size, bold, colour} {
-    vtkTextProperty* property = actor_->GetTextProperty();
-    property->SetFontFamilyToArial();
-    property->SetFontSize(size);
-    property->SetBold(bold);
-    setColour(colour);
-    property->SetVerticalJustificationToCentered();
+    apply(style_, 1, actor_->GetTextProperty());
     renderer->AddActor2D(actor_);
   }
 
