@@ -37,12 +37,11 @@ Eigen::Isometry3d poseOf(const Json::Value& pose) {
   return T;
 }
 
-/** T_a_c, of T_w_c or T_w_b; nothing if there is neither. */
-std::optional<Eigen::Isometry3d> cameraPoseOf(const Json::Value& value,
-                                              const std::optional<CameraMounting>& mounting) {
+/** T_a_c, of T_w_c or T_w_b. */
+Eigen::Isometry3d cameraPoseOf(const Json::Value& value, const std::optional<CameraMounting>& mounting) {
   if (const Json::Value& camera = value["T_w_c"]; !camera.isNull()) return poseOf(camera);
   const Json::Value& base = value["T_w_b"];
-  if (base.isNull()) return {};
+  if (base.isNull()) throw std::invalid_argument("it has neither T_w_b nor T_w_c");
   if (!mounting)
     throw std::invalid_argument("T_w_b needs the mounting of the camera on the robot, in its camera.ini");
   return poseOf(base) * mounting->T_b_c();
@@ -56,9 +55,7 @@ OdometryLine odometryOf(const Json::Value& value, const std::optional<CameraMoun
       throw std::invalid_argument("its stamp must be a number");
     odometry.stamp = stamp.asDouble();
   }
-  const auto T_o_c = cameraPoseOf(value, mounting);
-  if (!T_o_c) throw std::invalid_argument("it has neither T_w_b nor T_w_c");
-  odometry.T_o_c = *T_o_c;
+  odometry.T_o_c = cameraPoseOf(value, mounting);
   return odometry;
 }
 
@@ -77,10 +74,8 @@ Matrix6d covarianceOf(const Json::Value& value) {
 StartLine startOf(const Json::Value& value, const std::optional<CameraMounting>& mounting) {
   constexpr double kUsualStd = 1, kUsualStdDeg = 30;  // as of --near
   if (!value.isObject()) throw std::invalid_argument("it must be an object with T_w_c or T_w_b");
-  const auto T_w_c = cameraPoseOf(value, mounting);
-  if (!T_w_c) throw std::invalid_argument("it has neither T_w_b nor T_w_c");
   StartLine start;
-  start.T_w_c.T = *T_w_c;
+  start.T_w_c.T = cameraPoseOf(value, mounting);
   start.T_w_c.P =
       value["covariance"].isNull() ? startCovariance(kUsualStd, kUsualStdDeg * kDegree) : covarianceOf(value);
   if (const Json::Value& part = value["part"]; !part.isNull()) {
