@@ -67,10 +67,6 @@ ProcessId join() {
   return place;
 }
 
-void leave() { MPI_Finalize(); }
-
-void abort(int code) { MPI_Abort(MPI_COMM_WORLD, code); }
-
 void send(const std::string& bytes, int to) {
   waitForSent(kMostOnTheirWay);
   Sent& sent = g_sent.emplace_back(Sent{bytes.size(), bytes, {}});
@@ -79,8 +75,6 @@ void send(const std::string& bytes, int to) {
     MPI_Isend(piece, n, MPI_CHAR, to, 0, MPI_COMM_WORLD, &sent.requests.emplace_back());
   });
 }
-
-void flush() { waitForSent(0); }
 
 std::optional<std::string> receive(int from, const std::function<bool()>& givesUp) {
   for (int there = 0;; std::this_thread::sleep_for(kNap)) {
@@ -100,7 +94,8 @@ std::optional<std::string> receive(int from, const std::function<bool()>& givesU
 }  // namespace
 
 extern "C" const Calls* facetlocMessagePassing() {
-  static const Calls calls{join, leave, abort, send, flush, receive};
+  static const Calls calls{join, [] { MPI_Finalize(); }, [](int code) { MPI_Abort(MPI_COMM_WORLD, code); },
+                           send, [] { waitForSent(0); }, receive};
   return &calls;
 }
 

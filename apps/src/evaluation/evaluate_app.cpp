@@ -112,10 +112,9 @@ private:
   }
 
   std::vector<ModelPose> modelPoses(const std::optional<Map>& map) const {
-    if (!map)
-      return map_truth_.empty() ? std::vector<ModelPose>()
-                                : modelPosesOf(DepthSequence::readTruth(map_truth_, time_offset_));
-    return modelPosesOf(*map);
+    if (map) return modelPosesOf(*map);
+    if (map_truth_.empty()) return {};
+    return modelPosesOf(DepthSequence::readTruth(map_truth_, time_offset_));
   }
 
   TrueModelPoses trueModelPoses(const Input& input) const {
@@ -223,9 +222,8 @@ private:
       return {};
     }
     const fs::path folder = folder_;
-    drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation,
-                  judgesRelatively(report));
     const bool relative = judgesRelatively(report);
+    drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation, relative);
     return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures, relative),
                       *input.map, input.truth, input.runs, relative, console);
   }

@@ -10,6 +10,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
@@ -23,12 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr double kFineScale = 5000;      // scale of images converted from clouds: TUM's, 0.2 mm
 constexpr double kLargestValue = 65534;  // largest value of a PNG; 65535 is not measured
-
-std::size_t countBeyond(const DepthImage& image, double farthest) {
-  std::size_t n = 0;
-  for (const float z : image.depth) n += std::isfinite(z) && z > farthest;
-  return n;
-}
 
 /** facetloc_convert: a recording of any layout -> a folder of PNGs with everything beside them. */
 class ConvertApp : public App {
@@ -78,7 +73,8 @@ private:
               [&](std::size_t i, int) {
                 const std::size_t index = i * every_;
                 const DepthImage image = sequence.load(index);
-                beyond += countBeyond(image, farthest);
+                beyond += std::count_if(image.depth.begin(), image.depth.end(),
+                                        [=](float z) { return std::isfinite(z) && z > farthest; });
                 writeDepthPng(fs::path(folder_) / "depth" / (sequence.frames()[index].name + ".png"), image,
                               camera.depth_scale);
               });

@@ -301,10 +301,6 @@ private:
     return localizer;
   }
 
-  MeasuredMotion measuredMotion(const Task& task) const {
-    return {task.odometry, task.camera.mounting, odometry_error_};
-  }
-
   /** Every N-th image is a start. Its drive ends after kMostDistance, as far as the camera can tell, or
    * with the images. \return the exit code. */
   int localizeFromStarts(const Task& task, const Console& console) const {
@@ -327,7 +323,7 @@ private:
               [&](std::size_t k, int worker) {
                 Localizer& from_here = drives[worker];
                 from_here.reset();
-                MeasuredMotion motion = measuredMotion(task);
+                MeasuredMotion motion{task.odometry, task.camera.mounting, odometry_error_};
                 double distance = 0;
                 for (std::size_t i = k * starts_; i < frames.size() && distance < kMostDistance; ++i) {
                   const Localization answer =
@@ -426,7 +422,7 @@ private:
     if (is_sequence_) {
       Localizer localizer = newLocalizer(map, threads());
       if (const auto start = startPose(near_, camera.mounting)) localizer.setPose(*start);
-      drive.emplace(Drive{std::move(localizer), measuredMotion(task), smooth_});
+      drive.emplace(Drive{std::move(localizer), {task.odometry, camera.mounting, odometry_error_}, smooth_});
     }
     const int at_a_time = drive ? 1 : threads();  // a drive has an order
     ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {

@@ -58,12 +58,6 @@ std::string cameraOf(const Map& map) {
                      k.cy);
 }
 
-/** A Kinect's unit is the one that people know. */
-std::string inDisparity(const DepthDistortion& distortion) {
-  return fmt::format("{:.2f} disparity units (1/8 px of a Kinect) on average",
-                     kKinectGain * distortion.rms());
-}
-
 /** The camera's, and the images' where they are noisier. \param of_images one each */
 std::string noiseOf(const Map& map, const std::vector<double>& of_images) {
   std::string words = fmt::format("{:.3g} 1/m", map.camera.noise.ofInverseDepth(DepthNoise::kUsualDepth));
@@ -142,7 +136,10 @@ void printSummary(std::ostream& out, const Map& map) {
   table.add({"errors that views share", consideredErrorsOf(map).toString()});
   table.add({"wrong places score", ambiguityOf(map)});
   table.add({"sure from", sureOf(map)});
-  table.add({"distortion taken out", map.camera.distortion ? inDisparity(*map.camera.distortion) : "none"});
+  table.add({"distortion taken out",  // a Kinect's unit is the one that people know
+             map.camera.distortion ? fmt::format("{:.2f} disparity units (1/8 px of a Kinect) on average",
+                                                 kKinectGain * map.camera.distortion->rms())
+                                   : "none"});
   out << table;
 }
 

@@ -21,12 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lastLine(const std::string& text) {
-  std::istringstream in(text);
-  std::string last;
-  for (std::string line; std::getline(in, line);)
-    if (!line.empty()) last = line;
-  return last;
+std::string lastLine(std::string text) {
+  text.erase(text.find_last_not_of('\n') + 1);
+  return text.substr(text.rfind('\n') + 1);
 }
 
 /** The paragraph before the last one. */
