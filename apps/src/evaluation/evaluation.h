@@ -17,7 +17,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -64,23 +63,6 @@ struct ModelPose {
 std::vector<ModelPose> modelPosesOf(const Map& map);
 /** \brief The local models that the paper's rule makes of a run. */
 std::vector<ModelPose> modelPosesOf(const Trajectory& run);
-
-/** \brief The local models of a map by their names. */
-class ModelIndices {
-public:
-  explicit ModelIndices(const Map& map) {
-    for (std::size_t i = 0; i < map.models.size(); ++i) indices_[map.models[i].name] = static_cast<int>(i);
-  }
-  /** \brief Throws std::runtime_error for a local model that the map has not. */
-  int of(const std::string& model) const {
-    const auto found = indices_.find(model);
-    if (found == indices_.end()) throw std::runtime_error("the map has no local model " + model);
-    return found->second;
-  }
-
-private:
-  std::map<std::string, int> indices_;
-};
 
 /** \brief A map image is itself one of the local models: of the same name or stamp, and at the same true pose
  * or from a file of the same name and size, for the poses of a map need not be the true ones. The other

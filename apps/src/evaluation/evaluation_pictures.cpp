@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <stdexcept>
 
 namespace facetloc {
 namespace {
@@ -119,10 +120,22 @@ std::string whatFailed(const FrameEvaluation& frame, bool relative) {
                      frame.first_correct > 0 ? fmt::format(", correct at rank {}", frame.first_correct) : "");
 }
 
+std::map<std::string, int> modelIndices(const Map& map) {
+  std::map<std::string, int> indices;
+  for (std::size_t i = 0; i < map.models.size(); ++i) indices[map.models[i].name] = static_cast<int>(i);
+  return indices;
+}
+
+int indexOf(const std::string& model, const std::map<std::string, int>& indices) {
+  const auto found = indices.find(model);
+  if (found == indices.end()) throw std::runtime_error("the map has no local model " + model);
+  return found->second;
+}
+
 /** The most confident first. */
 std::vector<Failure> failuresOf(const std::vector<FrameEvaluation>& frames,
                                 const std::vector<RunResults>& runs, const Map& map, bool relative) {
-  const ModelIndices indices(map);
+  const auto indices = modelIndices(map);
   std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // keyed by run and frame
   for (const RunResults& run : runs)
     for (const ResultRow& row : run.rows)
@@ -134,12 +147,12 @@ std::vector<Failure> failuresOf(const std::vector<FrameEvaluation>& frames,
     const auto best = first.find({frame.run, frame.name});
     if (best != first.end()) {
       const ResultRow& row = *best->second;
-      failure.answers.push_back({indices.of(row.model), row.T_m_c, "rank 1: " + failure.what});
+      failure.answers.push_back({indexOf(row.model, indices), row.T_m_c, "rank 1: " + failure.what});
     } else {
       failure.answers.push_back({-1, Eigen::Isometry3d::Identity(), failure.what});
     }
     if (frame.nearest) {
-      const int nearest = indices.of(frame.nearest->name);
+      const int nearest = indexOf(frame.nearest->name, indices);
       failure.answers.push_back(
           {nearest, map.models[nearest].T_w_m->inverse() * frame.T_w_c,
            fmt::format("true pose in the nearest local model, {} away{}",
@@ -182,7 +195,7 @@ std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const Ma
 
 MapPage answerPage(const Map& map, const std::vector<RunResults>& runs, const Evaluation* evaluation,
                    bool relative) {
-  const ModelIndices indices(map);
+  const auto indices = modelIndices(map);
   const auto part = static_cast<std::size_t>(mainPart(map));
   const std::string drawn = part < map.parts.size() ? map.parts[part] : "";
   std::map<std::pair<std::string, std::string>, const FrameEvaluation*> frames;
@@ -206,8 +219,8 @@ MapPage answerPage(const Map& map, const std::vector<RunResults>& runs, const Ev
       PageAnswer& answer = page.answers.back();
       const auto covariance = run.covariances.find(row.frame);
       if (row.rank == 1 && covariance != run.covariances.end()) answer.P_w_c = covariance->second;
-      answer.places.push_back(
-          {indices.of(row.model), row.T_m_c, *row.T_w_c, row.probability, row.sd_trans_m, row.sd_rot_deg});
+      answer.places.push_back({indexOf(row.model, indices), row.T_m_c, *row.T_w_c, row.probability,
+                               row.sd_trans_m, row.sd_rot_deg});
     }
   }
   return page;
@@ -276,10 +289,9 @@ std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<
 
 std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
                                   const Map& map, bool relative) {
-  std::vector<FrameEvaluation> frames = evaluation.frames;
-  frames.erase(std::remove_if(frames.begin(), frames.end(),
-                              [&](const FrameEvaluation& frame) { return !failed(frame, relative); }),
-               frames.end());
+  std::vector<FrameEvaluation> frames;
+  for (const FrameEvaluation& frame : evaluation.frames)
+    if (failed(frame, relative)) frames.push_back(frame);
   return failuresOf(frames, runs, map, relative);
 }
 

@@ -4,7 +4,6 @@
 #include "cli/app.h"
 #include "live/live_result.h"
 
-#include <facetloc/io/camera_file.h>
 #include <facetloc/mapping/map_session.h>
 
 #include <cstddef>

@@ -77,19 +77,9 @@ inline Colour stateColour(const LiveResult& result) {
   constexpr Colour kNoMap = {90, 90, 90}, kMapping = {0, 115, 125}, kNoPlace = {185, 100, 0};
   if (result.mapped) return result.isLocalized() ? kMapping : kNoPlace;
   if (!result.answer) return kNoMap;
-  switch (result.answer->tracking) {
-  case TrackingState::searching:
-    return {110, 90, 160};
-  case TrackingState::localized:
-    return {20, 100, 180};
-  case TrackingState::tracking:
-    return {20, 130, 60};
-  case TrackingState::degenerate:
-    return {185, 100, 0};
-  case TrackingState::lost:
-    return {190, 35, 35};
-  }
-  return kNoMap;
+  constexpr Colour kTracking[] = {
+      {110, 90, 160}, {20, 100, 180}, {20, 130, 60}, {185, 100, 0}, {190, 35, 35}};
+  return kTracking[static_cast<int>(result.answer->tracking)];
 }
 
 }  // namespace facetloc
