@@ -162,7 +162,9 @@ private:
         continue;
       }
       const auto arrived = mailbox_.take(kWakeUp);  // the pause may have begun in here
-      if (arrived && mayProcess(*arrived)) process(*arrived);
+      if (arrived && (options_.every_frame ||
+                      (!paused_ && millisecondsSince(arrived->arrival) <= options_.oldest_frame_ms)))
+        process(*arrived);
       if (options_.max_frames > 0 && summary_.processed >= options_.max_frames) break;
       if (!arrived && mailbox_.closed() && !mailbox_.counts().waiting) break;
     }
@@ -172,11 +174,6 @@ private:
     error_ = std::current_exception();
     mailbox_.close();
     done_ = true;
-  }
-
-  bool mayProcess(const Arrived& arrived) const {
-    if (options_.every_frame) return true;
-    return !paused_ && millisecondsSince(arrived.arrival) <= options_.oldest_frame_ms;
   }
 
   void process(const Arrived& arrived) {

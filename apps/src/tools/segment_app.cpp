@@ -223,12 +223,6 @@ private:
     return provenance;
   }
 
-  /** Removes the files of an image, or of one of an earlier run, from the folder. */
-  void removeResultsOf(const std::string& name, const std::string& stem) const {
-    if (!fs::exists(fs::path(folder_) / (name + kSegmentEnding))) return;  // another tool's images
-    for (const Output& output : outputs(name, stem)) fs::remove(fs::path(folder_) / output.name);
-  }
-
   /** \return which images are still to be done. */
   std::vector<std::size_t> prepare(const std::vector<Image>& images, const Provenance& provenance) const {
     const auto before = Provenance::read(folder_);
@@ -245,8 +239,12 @@ private:
     const std::set<std::string> kept(finished.begin(), finished.end());
     std::map<std::string, std::string> stems;
     for (const Image& image : images) stems[image.name] = image.stem;
-    for (const auto& [name, size] : before ? before->images : ImageSizes())
-      if (!kept.count(name)) removeResultsOf(name, stems.emplace(name, name).first->second);
+    for (const auto& [name, size] : before ? before->images : ImageSizes()) {
+      const bool is_ours = fs::exists(fs::path(folder_) / (name + kSegmentEnding));  // not another tool's
+      if (kept.count(name) || !is_ours) continue;
+      for (const Output& output : outputs(name, stems.emplace(name, name).first->second))
+        fs::remove(fs::path(folder_) / output.name);
+    }
     for (const std::size_t i : todo) fs::remove(segmentsOf(images[i]));
     provenance.write(folder_);
     return todo;
