@@ -260,23 +260,15 @@ private:
   }
 
   void addField(std::size_t i) {
-    struct Type {
-      std::string_view name;
-      std::uint64_t size;
-      std::uint8_t type;
-    };
-    static constexpr Type kTypes[] = {
-        {"I", 1, Field::INT8},    {"I", 2, Field::INT16},  {"I", 4, Field::INT32},  {"I", 8, Field::INT64},
-        {"U", 1, Field::UINT8},   {"U", 2, Field::UINT16}, {"U", 4, Field::UINT32}, {"U", 8, Field::UINT64},
-        {"F", 4, Field::FLOAT32}, {"F", 8, Field::FLOAT64}};
-    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& t) {
-      return t.name == types_[i] && t.size == sizes_[i];
-    });
-    if (type == std::end(kTypes) || counts_[i] < 1 || counts_[i] > kMaxCount)
+    std::uint8_t type = Field::INT8;
+    while (type <= Field::UINT64 && (types_[i] != std::string(1, letterOf(type)) ||
+                                     sizes_[i] != static_cast<std::uint64_t>(pcl::getFieldSize(type))))
+      ++type;
+    if (type > Field::UINT64 || counts_[i] < 1 || counts_[i] > kMaxCount)
       fail("has a corrupt header: FIELDS, SIZE, TYPE and COUNT do not fit together");
     Field field;
     field.name = names_[i];
-    field.datatype = type->type;
+    field.datatype = type;
     field.count = static_cast<std::uint32_t>(counts_[i]);
     field.offset = static_cast<std::uint32_t>(header_.step);
     header_.fields.push_back(field);
