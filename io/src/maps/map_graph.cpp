@@ -75,9 +75,7 @@ std::pair<int, Eigen::Isometry3d> vertexOf(const std::vector<std::string_view>& 
     if (!value) throw std::invalid_argument(text::quoted(words[2 + i]) + " is not a number");
     columns[i] = *value;
   }
-  if (const char* fault = faultOf(columns, kQuaternionTolerance))
-    throw std::invalid_argument(std::string("its pose ") + fault);
-  return {*id, *fromColumns(columns, kQuaternionTolerance)};
+  return {*id, fromColumns(columns, kQuaternionTolerance)};
 }
 
 /** Poses by index of the local model. */

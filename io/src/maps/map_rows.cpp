@@ -61,7 +61,7 @@ Eigen::Isometry3d readPose(Statement& row) {
   const PoseColumns columns = row.reals<7>();
   if (const char* fault = faultOf(columns, kRotationTolerance))
     throw BadCell(std::string("its pose ") + fault);
-  return *fromColumns(columns, kRotationTolerance);
+  return fromColumns(columns, kRotationTolerance);
 }
 
 template <typename Matrix>

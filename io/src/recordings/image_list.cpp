@@ -64,14 +64,12 @@ std::vector<fs::path> foldersIn(const fs::path& folder) {
   return files::entriesOf(folder, [](const auto& e) { return files::isFolder(e) && !isHidden(e.path()); });
 }
 
-bool hasDepthImages(const fs::path& folder) {
+/** Depth images in a folder that says so, or else depth images that say so themselves. */
+bool hasDepthImages(const fs::path& folder, bool by_folder) {
+  if (by_folder && !mentionsDepth(folder)) return false;
   const auto images = imagesOfFolder(folder);
-  return !images.empty() && isDepthImage(images.front().path);
-}
-
-bool hasImagesNamedDepth(const fs::path& folder) {
-  const auto images = imagesOfFolder(folder);
-  return !images.empty() && isNamedDepth(images.front().path) && isDepthImage(images.front().path);
+  return !images.empty() && (by_folder || isNamedDepth(images.front().path)) &&
+         isDepthImage(images.front().path);
 }
 
 /** A line of a list: numbers, and the paths that they are before. */
@@ -172,11 +170,7 @@ private:
     if (numbers.size() != kPose && numbers.size() != kPose + 1) return {};
     std::array<double, kPose> columns{};
     std::copy(numbers.end() - kPose, numbers.end(), columns.begin());
-    try {
-      return poseOfColumns(columns);
-    } catch (const std::invalid_argument& e) {
-      fail(std::string("its pose ") + e.what());
-    }
+    return poseOfColumns(columns);
   }
 
   static std::string asPath(std::string text) {
@@ -318,9 +312,8 @@ fs::path folderOfImages(const fs::path& recording) {
   for (int level = 0; level < 2 && !folders.empty(); ++level) {
     for (const bool by_folder : {true, false}) {
       std::vector<fs::path> found;
-      std::copy_if(folders.begin(), folders.end(), std::back_inserter(found), [&](const fs::path& folder) {
-        return by_folder ? mentionsDepth(folder) && hasDepthImages(folder) : hasImagesNamedDepth(folder);
-      });
+      std::copy_if(folders.begin(), folders.end(), std::back_inserter(found),
+                   [&](const fs::path& folder) { return hasDepthImages(folder, by_folder); });
       if (found.size() == 1) return found[0];
       if (found.empty()) continue;
       std::string names;

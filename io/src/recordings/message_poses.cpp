@@ -197,9 +197,9 @@ std::vector<StampedGravity> gravityOf(const Accelerations& accelerations, const 
 
 StampedPose poseOf(double stamp, const std::array<double, 7>& columns, const std::string& name) {
   constexpr double kTolerance = 1e-2;  // tolerance of |q|^2
-  const auto T = fromColumns(columns, kTolerance);
-  if (!T) throw IoError(name, std::string("has a pose that ") + faultOf(columns, kTolerance));
-  return {stamp, *T};
+  if (const char* fault = faultOf(columns, kTolerance))
+    throw IoError(name, std::string("has a pose that ") + fault);
+  return {stamp, fromColumns(columns, kTolerance)};
 }
 
 ReadPoses readMessageOdometry(const std::filesystem::path& path, const std::string& camera_frame) {

@@ -231,7 +231,7 @@ private:
     try {
       return work();
     } catch (const std::invalid_argument& e) {
-      fail(line, std::string("its pose ") + e.what());
+      fail(line, e.what());
     }
   }
 
@@ -362,15 +362,15 @@ std::vector<double> PoseTable::stamps() const {
   return stamps;
 }
 
-Eigen::Isometry3d poseOfMatrix(const Eigen::Matrix4d& m) {
+Eigen::Isometry3d poseOfMatrix(const Eigen::Matrix4d& m, const std::string& subject) {
   const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
   const bool is_rotation =
       (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kTolerance &&
       R.determinant() > 0;
   if (!is_rotation || m.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    throw std::invalid_argument("is a matrix that is not a pose");
+    throw std::invalid_argument(subject + "is a matrix that is not a pose");
   if (!plausible::isPosition(m.topRightCorner<3, 1>()))
-    throw std::invalid_argument("is more than 1000 km away");
+    throw std::invalid_argument(subject + "is more than 1000 km away");
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = svd.matrixU() * svd.matrixV().transpose();  // the nearest rotation
@@ -382,7 +382,6 @@ std::optional<Eigen::Isometry3d> poseOfColumns(const PoseColumns& columns) {
   const bool finite = std::all_of(columns.begin(), columns.end(), [](double x) { return std::isfinite(x); });
   const Eigen::Map<const Eigen::Vector4d> q(columns.data() + 3);
   if (!finite || q.norm() < kNoRotation) return {};
-  if (const char* fault = faultOf(columns, kTolerance)) throw std::invalid_argument(fault);
   return fromColumns(columns, kTolerance);
 }
 

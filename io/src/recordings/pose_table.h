@@ -71,8 +71,8 @@ PoseTable parsePoseTable(std::string_view content, const std::string& source);
 std::vector<double> numbersOf(std::string_view content, const std::filesystem::path& path);
 
 /** \brief The rigid transform of a matrix that is one up to 1e-2, as files have as few as four decimals.
- * Throws std::invalid_argument. */
-Eigen::Isometry3d poseOfMatrix(const Eigen::Matrix4d& m);
+ * Throws std::invalid_argument. \param subject of its message */
+Eigen::Isometry3d poseOfMatrix(const Eigen::Matrix4d& m, const std::string& subject = "its pose ");
 
 /** \brief A pose of seven numbers, tx ty tz qx qy qz qw; none if it was lost: not finite, or a quaternion of
  * zeros. Throws std::invalid_argument. */

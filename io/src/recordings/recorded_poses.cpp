@@ -71,11 +71,9 @@ Trajectory posesAt(const PoseTable& table, StampOf stampOf) {
 }
 
 ReadPoses byOrder(const PoseTable& table, const ImageTimes& images, const fs::path& path) {
-  ReadPoses read{posesAt(table, [&](std::size_t i) { return images.stamps[i]; }), {}};
-  addSentence(fmt::format("{}: its {} poses are those of the images, in their order", path.string(),
-                          table.rows.size()),
-              read.remark);
-  return read;
+  return {posesAt(table, [&](std::size_t i) { return images.stamps[i]; }),
+          fmt::format("{}: its {} poses are those of the images, in their order", path.string(),
+                      table.rows.size())};
 }
 
 /** Stamps 0, 1, 2, ... or 1, 2, 3, ..., as they are of no clock. */
@@ -99,9 +97,8 @@ ReadPoses byIndex(const PoseTable& table, const ImageTimes& images, const fs::pa
   PoseTable of_images = table;
   of_images.rows.clear();
   for (const double n : images.numbers) of_images.rows.push_back(table.rows[static_cast<std::size_t>(n)]);
-  ReadPoses read{posesAt(of_images, [&](std::size_t i) { return images.stamps[i]; }), {}};
-  addSentence(fmt::format("{}: image N is taken to have pose N, counted from 0", path.string()), read.remark);
-  return read;
+  return {posesAt(of_images, [&](std::size_t i) { return images.stamps[i]; }),
+          fmt::format("{}: image N is taken to have pose N, counted from 0", path.string())};
 }
 
 }  // namespace
@@ -123,7 +120,7 @@ std::optional<Eigen::Isometry3d> poseOfNumbers(std::vector<double> numbers, cons
     if (numbers.size() == kMatrix && finite)
       return poseOfMatrix(Eigen::Map<const Eigen::Matrix4d>(numbers.data()).transpose());
   } catch (const std::invalid_argument& e) {
-    throw IoError(path.string(), std::string("its pose ") + e.what());
+    throw IoError(path.string(), e.what());
   }
   if (numbers.size() != kColumns && numbers.size() != kMatrix)
     throw IoError(path.string(), fmt::format("has {} numbers instead of the 16 of a pose", numbers.size()));

@@ -26,19 +26,14 @@ namespace {
 
 constexpr std::size_t kPoseNumbers = 12;
 
-Eigen::Matrix4d matrixOf(const float* numbers) {
+std::optional<Eigen::Isometry3d> poseOf(const float* numbers, const std::string& name) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
   for (int k = 0; k < static_cast<int>(kPoseNumbers); ++k) m(k / 4, k % 4) = numbers[k];
-  return m;
-}
-
-std::optional<Eigen::Isometry3d> poseOf(const float* numbers, const std::string& name) {
-  const Eigen::Matrix4d m = matrixOf(numbers);
   if (!m.allFinite() || m.topLeftCorner<3, 3>().isZero()) return {};
   try {
-    return poseOfMatrix(m);
+    return poseOfMatrix(m, "has a pose that ");
   } catch (const std::invalid_argument& e) {
-    throw IoError(name, std::string("has a pose that ") + e.what());
+    throw IoError(name, e.what());
   }
 }
 

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -35,9 +34,10 @@ inline const char* faultOf(const PoseColumns& c, double tolerance) {
   return std::abs(q.squaredNorm() - 1) <= tolerance ? nullptr : "is not a rotation";
 }
 
-/** \brief Empty if it has a fault. */
-inline std::optional<Eigen::Isometry3d> fromColumns(const PoseColumns& c, double tolerance) {
-  if (faultOf(c, tolerance)) return {};
+/** \brief Throws std::invalid_argument if it has a fault. */
+inline Eigen::Isometry3d fromColumns(const PoseColumns& c, double tolerance) {
+  if (const char* fault = faultOf(c, tolerance))
+    throw std::invalid_argument(std::string("its pose ") + fault);
   const Eigen::Quaterniond q(c[6], c[3], c[4], c[5]);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = q.normalized().toRotationMatrix();

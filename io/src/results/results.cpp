@@ -175,7 +175,7 @@ Eigen::Isometry3d readPose(const csv::Table& table, const csv::Row& row, const P
   for (std::size_t i = 0; i < columns.size(); ++i) columns[i] = table.real(row, names[i]);
   if (const char* fault = faultOf(columns, kQuaternionTolerance))
     table.fail(row, fmt::format("{} to {} {}", names.front(), names.back(), fault));
-  return *fromColumns(columns, kQuaternionTolerance);
+  return fromColumns(columns, kQuaternionTolerance);
 }
 
 std::optional<Eigen::Isometry3d> readPoseIfAny(const csv::Table& table, const csv::Row& row,
