@@ -53,19 +53,30 @@ std::string nameIn(internal::MessageReader& fields) {
 
 struct Corrupt : std::exception {};
 
+/** The depth of an .oni frame from its bytes: 16-bit numbers as differences to the one before.
+ *
+ * A byte below E0 holds two differences, 6 - high and 6 - low nibble. A low nibble of F says that a longer
+ * one follows, D that there is no second. E0 + n stands for 2n times the same number again, FF for a longer
+ * difference: one byte from 80 on, 192 less the difference, or else two, high byte first, that are the number
+ * itself. */
 class Decoder {
 public:
+  /** \param size how many numbers there are. */
   Decoder(const std::vector<std::uint8_t>& bytes, std::size_t size) : bytes_(bytes), size_(size) {
     out_.reserve(size);
   }
 
-  std::vector<std::uint16_t> decode(bool with_table) {
+  /** \param with_table the numbers are indices of a table, which stands in front: its size and its entries.
+   * \return nothing if the bytes are not the code of that number of values. */
+  std::vector<std::uint16_t> decode(bool with_table) try {
     if (with_table) readTable();
     value_ = word();
     put();
     while (next_ < bytes_.size()) code(byte());
     if (out_.size() != size_) throw Corrupt();
     return std::move(out_);
+  } catch (const Corrupt&) {
+    return {};
   }
 
 private:
@@ -125,25 +136,6 @@ private:
   std::vector<std::uint16_t> out_;
   int value_ = 0;
 };
-
-/** The depth of an .oni frame from its bytes: 16-bit numbers as differences to the one before.
- *
- * A byte below E0 holds two differences, 6 - high and 6 - low nibble. A low nibble of F says that a longer
- * one follows, D that there is no second. E0 + n stands for 2n times the same number again, FF for a longer
- * difference: one byte from 80 on, 192 less the difference, or else two, high byte first, that are the number
- * itself.
- *
- * \param with_table the numbers are indices of a table, which stands in front: its size and its entries.
- * \param size how many numbers there are.
- * \return nothing if the bytes are not the code of that number of values. */
-std::vector<std::uint16_t> decodeDepth(const std::vector<std::uint8_t>& bytes, bool with_table,
-                                       std::size_t size) {
-  try {
-    return Decoder(bytes, size).decode(with_table);
-  } catch (const Corrupt&) {
-    return {};
-  }
-}
 
 std::vector<std::uint8_t> readBytes(std::FILE* file, std::uint64_t offset, std::size_t size,
                                     const std::filesystem::path& path) {
@@ -236,7 +228,8 @@ private:
     case kGeneralProperty:
       return setProperty(header.node, fields);
     case kNewData:
-      if (depth_ == header.node) addFrame(header, fields);
+      if (depth_ == header.node)
+        out_.frames_.push_back({fields.number<std::uint64_t>(), position_ + header.fields, header.data});
       return;
     default:
       return;
@@ -293,11 +286,6 @@ private:
     value = is;
   }
 
-  void addFrame(const RecordHeader& header, internal::MessageReader& fields) {
-    const auto stamp = fields.number<std::uint64_t>();
-    out_.frames_.push_back({stamp, position_ + header.fields, header.data});
-  }
-
   void check() {
     const std::string truncated = ends_early_ ? "is truncated, and " : "";
     if (!depth_) fail(truncated + "has no depth stream");
@@ -333,7 +321,7 @@ std::vector<std::uint16_t> OniFile::readRaw(std::size_t index) const {
   const std::size_t pixels = static_cast<std::size_t>(camera_.width) * camera_.height;
   std::vector<std::uint16_t> depth;
   if (codec_ != Codec::none) {
-    depth = decodeDepth(bytes, codec_ == Codec::differences_of_table, pixels);
+    depth = Decoder(bytes, pixels).decode(codec_ == Codec::differences_of_table);
   } else if (bytes.size() == pixels * sizeof(std::uint16_t)) {
     depth.resize(pixels);
     std::memcpy(depth.data(), bytes.data(), bytes.size());
