@@ -84,8 +84,6 @@ private:
   Histogram values_ = Histogram(kValues), as_read_ = Histogram(kValues), with_swapped_ = Histogram(kValues);
 };
 
-bool isPowerOfTwo(int n) { return (n & (n - 1)) == 0; }
-
 int bitsOf(int power_of_two) {
   int bits = 0;
   while ((1 << bits) < power_of_two) ++bits;
@@ -113,7 +111,7 @@ std::optional<Finding> divisorFinding(const DepthValues& values, double depth_sc
                      ? ": they have been made of images of 8 bits, which cannot hold depths; take the "
                        "original ones"
                      : fmt::format(": depth_scale is probably {}{}", 1000 * n,
-                                   isPowerOfTwo(n)
+                                   (n & (n - 1)) == 0  // a power of two
                                        ? fmt::format(" (or the bits are shifted or rotated by {})", bitsOf(n))
                                        : std::string());
   return found;

@@ -88,7 +88,16 @@ public:
   /** \param source named in errors; like the bytes, it must outlive the header */
   NetpbmHeader(const std::string& source, std::string_view bytes) : source_(source), bytes_(bytes) {}
 
-  std::string_view word();
+  std::string_view word() {
+    const auto isBlank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+    while (at_ < bytes_.size() && (isBlank(bytes_[at_]) || bytes_[at_] == '#'))
+      if (bytes_[at_++] == '#')
+        while (at_ < bytes_.size() && bytes_[at_] != '\n') ++at_;
+    const std::size_t begin = at_;
+    while (at_ < bytes_.size() && !isBlank(bytes_[at_])) ++at_;
+    if (begin == at_) throw IoError(source_, "is truncated");
+    return bytes_.substr(begin, at_ - begin);
+  }
   template <typename Number>
   Number number() {
     const auto value = text::to<Number>(word());
@@ -96,26 +105,13 @@ public:
     return *value;
   }
   /** Behind one blank. */
-  std::string_view pixels() const;
+  std::string_view pixels() const { return bytes_.substr(std::min(at_ + 1, bytes_.size())); }
 
 private:
   const std::string& source_;
   std::string_view bytes_;
   std::size_t at_ = 0;
 };
-
-std::string_view NetpbmHeader::word() {
-  const auto isBlank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-  while (at_ < bytes_.size() && (isBlank(bytes_[at_]) || bytes_[at_] == '#'))
-    if (bytes_[at_++] == '#')
-      while (at_ < bytes_.size() && bytes_[at_] != '\n') ++at_;
-  const std::size_t begin = at_;
-  while (at_ < bytes_.size() && !isBlank(bytes_[at_])) ++at_;
-  if (begin == at_) throw IoError(source_, "is truncated");
-  return bytes_.substr(begin, at_ - begin);
-}
-
-std::string_view NetpbmHeader::pixels() const { return bytes_.substr(std::min(at_ + 1, bytes_.size())); }
 
 /** Throws IoError for fewer bytes than an image needs. */
 void requireBytes(const std::string& source, std::size_t there, std::uint64_t needed) {

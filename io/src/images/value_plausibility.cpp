@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "images/value_plausibility.h"
 
+#include "base/median.h"
 #include "bytes/files.h"
 
 #include <facetloc/features/depth_image.h>
@@ -188,10 +189,7 @@ std::vector<double> curvatures(const std::vector<ValueImage>& images) {
         }
         if (steady) found.push_back(2 * z[2] * (z[4] - 2 * z[2] + z[0]) / (change * change));
       }
-    if (found.size() < kLeast) continue;
-    const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
-    std::nth_element(found.begin(), middle, found.end());
-    medians.push_back(*middle);
+    if (found.size() >= kLeast) medians.push_back(median(std::move(found)));
   }
   return medians;
 }
