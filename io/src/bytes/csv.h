@@ -50,7 +50,8 @@ private:
     do row.cells.push_back(scanCell());
     while (take(','));
     take('\r');
-    if (!take('\n') && position_ < content_.size()) fail(line_, "a comma or the end of the line is missing");
+    if (!take('\n') && position_ < content_.size())
+      throw IoError(path_, fmt::format("line {}: a comma or the end of the line is missing", line_));
     ++line_;
     row.text = content_.substr(begin, position_ - begin);
     return row;
@@ -80,10 +81,6 @@ private:
     if (position_ == content_.size() || content_[position_] != c) return false;
     ++position_;
     return true;
-  }
-
-  [[noreturn]] void fail(int line, const std::string& cause) const {
-    throw IoError(path_, fmt::format("line {}: {}", line, cause));
   }
 
   std::string_view content_;

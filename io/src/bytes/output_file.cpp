@@ -48,12 +48,6 @@ void removeLeftovers(const fs::path& folder) {
   }
 }
 
-struct stat statusOf(const files::Descriptor& file, const fs::path& path) {
-  struct stat status = {};
-  if (fstat(file.number(), &status) != 0) throw IoError(path.string(), files::lastError());
-  return status;
-}
-
 /** "process 4711", if the kernel's list of locks knows it: a line of it reads
  * "1: FLOCK ADVISORY WRITE 4711 08:01:1311 0 EOF", with the device in hexadecimal digits. */
 std::string holderOf(const struct stat& status) {
@@ -85,7 +79,8 @@ files::Descriptor locked(const fs::path& path, int flags) {
   for (;;) {
     files::Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags, kMode));
     if (!file) throw WriteError(path.string(), files::lastError());
-    const struct stat status = statusOf(file, path);
+    struct stat status = {};
+    if (fstat(file.number(), &status) != 0) throw IoError(path.string(), files::lastError());
     if (flock(file.number(), LOCK_EX | LOCK_NB) != 0) {
       if (errno != EWOULDBLOCK) return file;  // a file system without locks
       throw IoError(path.string(),

@@ -205,14 +205,6 @@ void turnRows(CloudImage& found) {
     std::swap_ranges(pixels.begin() + top, pixels.begin() + top + width, pixels.begin() + bottom - width);
 }
 
-/** Depths that would be beyond 100 m in the median are millimetres. */
-bool areMillimetres(const DepthImage& image) {
-  constexpr double kFarthest = 100;
-  return usualDepth(image) > kFarthest;
-}
-
-bool isTurnNone(const Turn& turn) { return !turn.rows_from_below && turn.axes.isIdentity(); }
-
 bool fits(const Cloud& cloud, const Intrinsics& camera) {
   return !detail::isBehind(cloud) && isImageOf(cloud, camera, kCalibrationError * camera.width);
 }
@@ -232,7 +224,8 @@ std::optional<CloudImage> imageInBestAxes(const Cloud& points, const std::option
   const std::vector<Sample> samples = samplesOf(points);
   const Turn turn = bestTurn(samples, points.height);
   if (!std::isfinite(turn.residual)) return {};
-  const Cloud cloud = isTurnNone(turn) ? points : turned(points, turn);
+  const bool is_turned = turn.rows_from_below || !turn.axes.isIdentity();
+  const Cloud cloud = is_turned ? turned(points, turn) : points;
   std::string remark;
   if (!turn.axes.isIdentity())
     remark = fmt::format("the axes of the clouds are {}: they are turned to x right, y down, z forward",
@@ -283,7 +276,8 @@ std::optional<CloudImage> imageOf(const Cloud& points, const Eigen::Isometry3d& 
   }
   if (!found) found = imageInBestAxes(points, camera);
   if (!found) return {};
-  if (areMillimetres(found->image)) {
+  constexpr double kFarthest = 100;  // [m] depths that would be beyond it in the median are millimetres
+  if (usualDepth(found->image) > kFarthest) {
     for (float& z : found->image.depth) z /= 1000;
     addSentence("the points of the clouds are in millimetres", found->remark);
   }

@@ -104,12 +104,6 @@ Intrinsics scaledTo(const Intrinsics& camera, const FrameHeader& header) {
   return camera.subsampled(camera.width / header.width);
 }
 
-double depthScaleOf(const std::string& word) {
-  const auto scale = text::to<double>(word);
-  if (!scale || !(*scale > 0)) throw std::invalid_argument("its depth_scale is not positive");
-  return *scale;
-}
-
 /** Nothing for an object with neither width nor height, which is a line of another kind. Throws
  * std::invalid_argument, with a sentence, for a header that is impossible, and for text that is no JSON
  * object. */
@@ -268,8 +262,10 @@ std::shared_ptr<const CameraFile> PipeFrames::cameraOf(const FrameHeader& header
   if (known_ && known_->camera.intrinsics.valid()) {
     auto camera = std::make_shared<CameraFile>(*known_);
     camera->camera.intrinsics = scaledTo(camera->camera.intrinsics, header);
-    if (const std::string* scale = find(header.camera, "depth_scale"))
-      camera->depth_scale = depthScaleOf(*scale);
+    if (const std::string* word = find(header.camera, "depth_scale")) {
+      camera->depth_scale = text::to<double>(*word).value_or(0);
+      if (!(camera->depth_scale > 0)) throw std::invalid_argument("its depth_scale is not positive");
+    }
     return camera;
   }
   CameraKeys keys = header.camera;

@@ -52,8 +52,6 @@ std::optional<PngSize> sizeOfImages(const RecordingLayout& layout) {
   return {};
 }
 
-std::string toString(const PngSize& size) { return fmt::format("{}x{}", size.width, size.height); }
-
 /** 3x3, or 4x4 with the same in its corner. */
 Intrinsics readMatrix(const fs::path& path, const PngSize& size) {
   const std::vector<double> m = numbersOf(files::readText(path), path);
@@ -108,10 +106,11 @@ RecordedCamera presetCamera(const CameraPreset& preset, const std::optional<Reco
   if (!size) return {cameraFileOf({}, kMillimetres, preset)};
   const auto intrinsics = preset.intrinsicsOf(size->width, size->height);
   if (!intrinsics)
-    throw IoError(layout.frames.front().path.string(),
-                  fmt::format("is of {} pixels, but the intrinsics of {} are known for {} and images of the "
-                              "same shape only: write a camera.ini with the calibration",
-                              toString(*size), preset.name, modesOf(preset)));
+    throw IoError(
+        layout.frames.front().path.string(),
+        fmt::format("is of {}x{} pixels, but the intrinsics of {} are known for {} and images of the "
+                    "same shape only: write a camera.ini with the calibration",
+                    size->width, size->height, preset.name, modesOf(preset)));
   return {cameraFileOf(*intrinsics, kMillimetres, preset),
           std::string("there is no calibration: the intrinsics are taken to be those of a typical ") +
               preset.name};

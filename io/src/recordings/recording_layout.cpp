@@ -98,7 +98,8 @@ public:
     if (!images_.empty() && !images_.front().stamp) requireOneSeries();
     if (!layout_.frames.empty() &&
         !(isListed() || isSevenScenes() || isScanNet() || isIclNuim() || hasNumbers()) && !hasTimesBeside())
-      countFrames();
+      for (std::size_t i = 0; i < layout_.frames.size(); ++i)
+        layout_.frames[i].stamp = static_cast<double>(i);
     if (layout_.unit.counted && layout_.kind == Kind::plain) try {
         hasTimesBeside();
       } catch (const IoError&) {  // the numbers are enough
@@ -346,10 +347,6 @@ private:
       layout_.frames[i] = frames[order[i]];
       if (!numbers.empty()) layout_.numbers[i] = numbers[order[i]];
     }
-  }
-
-  void countFrames() {
-    for (std::size_t i = 0; i < layout_.frames.size(); ++i) layout_.frames[i].stamp = static_cast<double>(i);
   }
 
   /** Indices are no times: poses would be matched to them at random. */
