@@ -307,7 +307,7 @@ hoursIn() {
   done
 }
 afterHours() {
-  localized "$1" "$2" "$3" "0.2 2" --
+  EVALUATE=--align localized "$1" "$2" "$3" "0.2 2" --  # the map's world is where the robot began
   printf '%s: %s models, %s kB\n' "$1" "$("$apps/facetloc_map" info "$2" | awk '/^  number/ { print $2 }')" "$(du -k "$2" | cut -f1)"
 }
 
