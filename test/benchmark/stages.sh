@@ -307,7 +307,9 @@ hoursIn() {
   done
 }
 afterHours() {
-  EVALUATE=--align localized "$1" "$2" "$3" "0.2 2" --  # the map's world is where the robot began
+  local EVALUATE=--align  # the map's world is where the robot began
+  localized "$1" "$2" "$3" "0.2 2" --
+  localized "$1, drive" "$2" "$3" "0.2 2" -- --sequence
   printf '%s: %s models, %s kB\n' "$1" "$("$apps/facetloc_map" info "$2" | awk '/^  number/ { print $2 }')" "$(du -k "$2" | cut -f1)"
 }
 
