@@ -12,7 +12,6 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -299,7 +298,8 @@ Localization Localizer::Impl::localizeNear(const View& view, const PoseWithCovar
   PlaceBelief near(map, localization_params, params);
   near.setNumberOfThreads(threads);
   near.inject(part, T_w_c, kMostLogOdds);
-  const Localization found = localization.localize(view, std::function<bool(int)>());
+  std::optional<int> any_roll;
+  const Localization found = localization.localize(view, {}, any_roll);
   near.observe(std::make_shared<const View>(view), &found);
   Localization out;
   list(near, out);
