@@ -102,6 +102,18 @@ TEST(GraphCovariance, OfOnePairIsTheSameAsAmongAll) {
   EXPECT_FALSE(GraphCovariance(apart).between(0, 3));
 }
 
+TEST(GraphCovariance, NeighboursAreKnownHoweverFarFromTheFirst) {
+  PoseGraph graph;
+  graph.T_w_n.push_back(motion(0, 0, 0).T);
+  for (int i = 0; i < 1000; ++i) {
+    const PoseWithCovariance step = motion(0.3, 0, 0.1, i == 998 ? 0.001 : 3);
+    graph.edges.push_back({i, i + 1, step});
+    graph.T_w_n.push_back(graph.T_w_n.back() * step.T);
+  }
+  const Matrix6d P = GraphCovariance(graph).between(998, 999)->P, expected = graph.edges[998].T_from_to.P;
+  EXPECT_THAT(P, MatrixNear(expected, 1e-5 * expected.norm()));
+}
+
 TEST(GraphCovariance, IsTheSameForAnyNumberOfThreads) {
   const GraphCovariance one(chain(), 1), two(chain(), 2);
   for (std::size_t i = 0; i < one.ofNodes().size(); ++i) EXPECT_EQ(one.ofNodes()[i], two.ofNodes()[i]);

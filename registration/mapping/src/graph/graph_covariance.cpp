@@ -49,23 +49,30 @@ Eigen::MatrixXd GraphCovariance::columns(int node) const {
   return factor_.solve(unit);
 }
 
-// With the left, decoupled perturbations of both: d phi = R_a^T (d phi_b - d phi_a),
-// d t = R_a^T (d t_b - d t_a + [t_b - t_a]x d phi_a).
-PoseWithCovariance GraphCovariance::relative(int a, int b, const Matrix6d& P_aa, const Matrix6d& P_bb,
-                                             const Matrix6d& P_ba) const {
-  const Eigen::Isometry3d &T_w_a = T_w_n_[a], &T_w_b = T_w_n_[b];
-  Matrix6d by_a = -Matrix6d::Identity();
-  by_a.bottomLeftCorner<3, 3>() = skew(T_w_b.translation() - T_w_a.translation());
-  const Matrix6d cross = P_ba * by_a.transpose();
-  Matrix6d P = P_bb + cross + cross.transpose() + by_a * P_aa * by_a.transpose();
-  if (a == b) P.setZero();
-  return {T_w_a.inverse() * T_w_b, rotateCovariance(T_w_a.linear().transpose(), P)};
+// The perturbation of T_a_b is R_a^T (d_b + B d_a), with the left, decoupled perturbations of both:
+// d phi = R_a^T (d phi_b - d phi_a), d t = R_a^T (d t_b - d t_a + [t_b - t_a]x d phi_a).
+Matrix6d GraphCovariance::effectOfFirst(int a, int b) const {
+  Matrix6d B = -Matrix6d::Identity();
+  B.bottomLeftCorner<3, 3>() = skew(T_w_n_[b].translation() - T_w_n_[a].translation());
+  return B;
 }
 
+PoseWithCovariance GraphCovariance::relative(int a, int b, const Matrix6d& of_difference) const {
+  const Eigen::Isometry3d T_a_w = T_w_n_[a].inverse();
+  return {T_a_w * T_w_n_[b],
+          rotateCovariance(T_a_w.linear(), 0.5 * (of_difference + of_difference.transpose()))};
+}
+
+// One solution for the difference: two covariances, far from the first node, would lose it in rounding.
 std::optional<PoseWithCovariance> GraphCovariance::between(int a, int b) const {
   if (part_[a] != part_[b]) return {};
-  const Eigen::MatrixXd of_a = columns(a), of_b = columns(b);
-  return relative(a, b, of_a.middleRows<6>(6 * a), of_b.middleRows<6>(6 * b), of_a.middleRows<6>(6 * b));
+  if (a == b) return PoseWithCovariance{Eigen::Isometry3d::Identity(), Matrix6d::Zero()};
+  const Matrix6d B = effectOfFirst(a, b);
+  Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(factor_.rows(), 6);
+  difference.middleRows<6>(6 * a) = B.transpose();
+  difference.middleRows<6>(6 * b).setIdentity();
+  const Eigen::MatrixXd P = factor_.solve(difference);
+  return relative(a, b, P.middleRows<6>(6 * b) + B * P.middleRows<6>(6 * a));
 }
 
 std::vector<std::optional<PoseWithCovariance>> GraphCovariance::relativeTo(int node) const {
@@ -73,7 +80,11 @@ std::vector<std::optional<PoseWithCovariance>> GraphCovariance::relativeTo(int n
   std::vector<std::optional<PoseWithCovariance>> out(T_w_n_.size());
   const Eigen::MatrixXd of_node = columns(node);
   for (int b = 0; b < static_cast<int>(T_w_n_.size()); ++b)
-    if (part_[b] == part_[node]) out[b] = relative(node, b, P[node], P[b], of_node.middleRows<6>(6 * b));
+    if (part_[b] == part_[node]) {
+      const Matrix6d B = effectOfFirst(node, b), cross = of_node.middleRows<6>(6 * b) * B.transpose();
+      out[b] = relative(node, b, P[b] + cross + cross.transpose() + B * P[node] * B.transpose());
+    }
+  out[node] = PoseWithCovariance{Eigen::Isometry3d::Identity(), Matrix6d::Zero()};
   return out;
 }
 

@@ -31,8 +31,8 @@ public:
 
 private:
   Eigen::MatrixXd columns(int node) const;
-  PoseWithCovariance relative(int a, int b, const Matrix6d& P_aa, const Matrix6d& P_bb,
-                              const Matrix6d& P_ba) const;
+  Matrix6d effectOfFirst(int a, int b) const;
+  PoseWithCovariance relative(int a, int b, const Matrix6d& of_difference) const;
 
   std::vector<Eigen::Isometry3d> T_w_n_;
   std::vector<int> part_;
