@@ -65,6 +65,24 @@ protected:
   const std::vector<Eigen::Isometry3d> truth_ = truth();
 };
 
+// Of two doors that look the same, one image later, the rest of the graph decides.
+TEST_F(Round, OtherMotionsChooseAmongAlternatives) {
+  PoseGraph g = graph(3, true);
+  PoseEdge& doubtful = g.edges[5];
+  const PoseWithCovariance right = doubtful.T_from_to;
+  const Vector6d next_door = (Vector6d() << 0, 0, 0, 0.6, 0, 0).finished();
+  doubtful.T_from_to.T = boxplus(right.T, next_door);
+  doubtful.others = {{right, -2}};
+  const GraphPoses closed = optimized(g);
+  EXPECT_TRUE(closed.converged);
+  EXPECT_NEAR(closed.mismatch[5], mismatchOf({5, 6, right}, closed.nodes) + 4, 1e-6);
+  for (std::size_t i = 0; i < truth_.size(); ++i)
+    EXPECT_THAT(closed.nodes[i].T, PoseNear(truth_[i], 0.15, 3)) << i;
+
+  g.edges.pop_back();  // a chain takes the likelier one
+  EXPECT_NEAR(optimized(g).mismatch[5], 0, 1e-6);
+}
+
 TEST_F(Round, AChainIsTheProductOfItsMotionsAndOfTheirCovariances) {
   const PoseGraph g = graph(1, false);
   const GraphPoses found = optimized(g);

@@ -58,7 +58,8 @@ std::vector<StampedPose> readPoses(const std::string& file, const DepthSequence&
 }  // namespace
 
 std::string toString(const CameraTrajectory& trajectory) {
-  return fmt::format("way {:.1f} m, {}, {} with places seen before, {}", trajectory.length(),
+  return fmt::format("way {:.1f} m, known to {:.2f} m and {:.1f} deg, {}, {} with places seen before, {}",
+                     trajectory.length(), trajectory.positionStd(), trajectory.rotationStd() / kDegree,
                      counted(trajectory.keyframes.size(), "keyframe"),
                      counted(static_cast<std::size_t>(trajectory.loops()), "comparison"),
                      counted(trajectory.parts().size(), "piece"));

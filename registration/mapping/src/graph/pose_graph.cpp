@@ -4,6 +4,8 @@
 #include "graph/graph_covariance.h"
 #include "graph/pose_problem.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <numeric>
 #include <stdexcept>
@@ -17,6 +19,32 @@ void check(const PoseGraph& graph) {
     if (e.from < 0 || e.to < 0 || e.from >= n || e.to >= n || e.from == e.to)
       throw std::invalid_argument(
           fmt::format("pose graph: an edge joins {} and {} of {} nodes", e.from, e.to, n));
+}
+
+/** One Gaussian about the likeliest motion that contains all alternatives of an edge. */
+PoseEdge spanned(const PoseEdge& edge) {
+  PoseEdge out{edge.from, edge.to, edge.T_from_to, edge.may_be_wrong};
+  double sum = 1;
+  for (const AlternativeMotion& other : edge.others) {
+    const double weight = std::exp(other.log_odds);
+    const Vector6d apart = boxminus(other.T_from_to.T, edge.T_from_to.T);
+    out.T_from_to.P += weight * (other.T_from_to.P + apart * apart.transpose());
+    sum += weight;
+  }
+  out.T_from_to.P /= sum;
+  return out;
+}
+
+/** Poses between all alternatives, from where the likeliest in view of all edges is near. */
+std::vector<Eigen::Isometry3d> startOf(const PoseGraph& graph, const std::vector<int>& part) {
+  const auto isOpen = [](const PoseEdge& e) { return !e.others.empty(); };
+  if (std::none_of(graph.edges.begin(), graph.edges.end(), isOpen)) return graph.T_w_n;
+  PoseGraph all = graph;
+  for (PoseEdge& e : all.edges) e = spanned(e);
+  PoseProblem problem(all, part);
+  problem.solve();
+  for (std::size_t i = 0; i < all.T_w_n.size(); ++i) all.T_w_n[i] = problem.pose(i);
+  return all.T_w_n;
 }
 
 }  // namespace
@@ -37,23 +65,29 @@ std::vector<int> partsOf(const PoseGraph& graph) {
   return first;
 }
 
+double mismatchOf(const PoseEdge& edge, const std::vector<PoseWithCovariance>& nodes) {
+  const Eigen::Isometry3d T_from_to = nodes[edge.from].T.inverse() * nodes[edge.to].T;
+  double least = squaredMahalanobis(edge.T_from_to, T_from_to);
+  for (const AlternativeMotion& other : edge.others)
+    least = std::min(least, squaredMahalanobis(other.T_from_to, T_from_to) - 2 * other.log_odds);
+  return least;
+}
+
 GraphPoses optimized(const PoseGraph& graph, bool with_covariances) {
   GraphPoses out;
   out.part = partsOf(graph);
-  PoseProblem problem(graph, out.part);
+  PoseGraph from_start = graph;
+  from_start.T_w_n = startOf(graph, out.part);
+  PoseProblem problem(from_start, out.part);
   out.converged = graph.edges.empty() || problem.solve();
   for (std::size_t i = 0; i < graph.T_w_n.size(); ++i)
     out.nodes.push_back({problem.pose(i), Matrix6d::Zero()});
   if (with_covariances) {
-    PoseGraph at_solution = graph;
-    for (std::size_t i = 0; i < out.nodes.size(); ++i) at_solution.T_w_n[i] = out.nodes[i].T;
-    const std::vector<Matrix6d> P = GraphCovariance(at_solution).ofNodes();
+    for (std::size_t i = 0; i < out.nodes.size(); ++i) from_start.T_w_n[i] = out.nodes[i].T;
+    const std::vector<Matrix6d> P = GraphCovariance(from_start).ofNodes();
     for (std::size_t i = 0; i < out.nodes.size(); ++i) out.nodes[i].P = P[i];
   }
-  for (const PoseEdge& e : graph.edges) {
-    const Eigen::Isometry3d T_from_to = out.nodes[e.from].T.inverse() * out.nodes[e.to].T;
-    out.mismatch.push_back(squaredMahalanobis(e.T_from_to, T_from_to));
-  }
+  for (const PoseEdge& e : graph.edges) out.mismatch.push_back(mismatchOf(e, out.nodes));
   return out;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <facetloc/features/pose.h>
+#include <facetloc/mapping/trajectory_estimation.h>
 
 #include <optional>
 #include <vector>
@@ -13,6 +13,7 @@ struct PoseEdge {
   int from = 0, to = 0;          ///< numbers of the nodes
   PoseWithCovariance T_from_to;  ///< positive definite
   bool may_be_wrong = false;     ///< a closed loop: has little weight if it contradicts all other edges
+  std::vector<AlternativeMotion> others{};  ///< of which the graph may choose one instead (max-mixture)
 };
 
 /** \brief A level floor, z = 0, that robots with cameras stand on. */
@@ -34,15 +35,18 @@ struct GraphPoses {
   /// T_w_n; the covariance is relative to the first node of its part, which stays where it is; on a floor it
   /// keeps its place and heading there
   std::vector<PoseWithCovariance> nodes;
-  std::vector<int> part;  ///< for each node: the number of the first node that edges lead to
-  std::vector<double>
-      mismatch;  ///< squared Mahalanobis distance of each edge from the poses, of 6 degrees of freedom
+  std::vector<int> part;         ///< for each node: the number of the first node that edges lead to
+  std::vector<double> mismatch;  ///< mismatchOf() each edge, of 6 degrees of freedom
   bool converged = false;
 };
 
 /** \brief The number of the first node of its part, for each node: parts have no edge between them. Throws
  * std::invalid_argument if an edge joins an invalid node. */
 std::vector<int> partsOf(const PoseGraph& graph);
+
+/** \brief Squared Mahalanobis distance of an edge from the poses of its nodes; of alternatives, the least one
+ * less twice their log odds. */
+double mismatchOf(const PoseEdge& edge, const std::vector<PoseWithCovariance>& nodes);
 
 /** \brief Least squares over the edges' covariances by Ceres Solver (Agarwal, Mierle et al.), METHOD 1.3.
  *

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
 
+#include <algorithm>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 #include <cmath>
@@ -64,6 +65,36 @@ private:
   Eigen::Quaterniond q_;
   Eigen::Vector3d t_;
   Matrix6d whitening_;
+};
+
+// The alternative that fits best, in a seventh residual with its odds: max-mixture (METHOD 1.3).
+class LeastMismatch {
+public:
+  explicit LeastMismatch(const PoseEdge& edge) : modes_{{Mismatch(edge.T_from_to), 0}} {
+    for (const AlternativeMotion& other : edge.others)
+      modes_.push_back({Mismatch(other.T_from_to), std::sqrt(-2 * std::min(0.0, other.log_odds))});
+  }
+
+  template <class Number>
+  bool operator()(const Number* q_from, const Number* t_from, const Number* q_to, const Number* t_to,
+                  Number* residual) const {
+    using Residuals = Eigen::Matrix<Number, 7, 1>;
+    Eigen::Map<Residuals> least(residual);
+    for (const Mode& mode : modes_) {
+      Residuals of_mode;
+      mode.mismatch(q_from, t_from, q_to, t_to, of_mode.data());
+      of_mode(6) = Number(mode.of_odds);
+      if (&mode == &modes_.front() || of_mode.squaredNorm() < least.squaredNorm()) least = of_mode;
+    }
+    return true;
+  }
+
+private:
+  struct Mode {
+    Mismatch mismatch;
+    double of_odds;
+  };
+  std::vector<Mode> modes_;
 };
 
 // (roll, pitch, height) of a robot about the floor, in their standard deviations.
@@ -128,10 +159,13 @@ public:
     }
     for (const PoseEdge& e : graph.edges) {
       Parameters &from = nodes_[e.from], &to = nodes_[e.to];
-      problem_->AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Mismatch, 6, 4, 3, 4, 3>(new Mismatch(e.T_from_to)),
-          e.may_be_wrong ? &loss_ : nullptr, from.q.coeffs().data(), from.t.data(), to.q.coeffs().data(),
-          to.t.data());
+      ceres::CostFunction* cost =
+          e.others.empty()
+              ? static_cast<ceres::CostFunction*>(
+                    new ceres::AutoDiffCostFunction<Mismatch, 6, 4, 3, 4, 3>(new Mismatch(e.T_from_to)))
+              : new ceres::AutoDiffCostFunction<LeastMismatch, 7, 4, 3, 4, 3>(new LeastMismatch(e));
+      problem_->AddResidualBlock(cost, e.may_be_wrong ? &loss_ : nullptr, from.q.coeffs().data(),
+                                 from.t.data(), to.q.coeffs().data(), to.t.data());
     }
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       if (graph.floor) applyFloor(nodes_[i], *graph.floor);

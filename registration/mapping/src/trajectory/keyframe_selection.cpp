@@ -78,6 +78,19 @@ bool showsSame(const PlacedView& placed, bool is_lost) {
          largestTranslationStd(measured(placed).P) <= kSureStd;
 }
 
+// The places that count as a comparison, beside the one that is taken; none if it is not among them.
+std::vector<AlternativeMotion> alternatives(const std::vector<PlacedView>& modes,
+                                            const Eigen::Isometry3d& taken) {
+  const auto isTaken = [&](const PlacedView& mode) { return kSameMotion.joins(mode.T_a_b, taken); };
+  const auto likeliest = std::find_if(modes.begin(), modes.end(), isTaken);
+  if (likeliest == modes.end()) return {};
+  std::vector<AlternativeMotion> others;
+  for (const PlacedView& mode : modes)
+    if (!isTaken(mode) && mode.agreement >= kLeastAgreement && mode.overlap >= kLeastOverlap)
+      others.push_back({measured(mode), std::min(0.0, mode.log_likelihood - likeliest->log_likelihood)});
+  return others;
+}
+
 RelativePosition moved(const RelativePosition& from, const RelativePosition& step) {
   RelativePosition out;
   out.by_motion = from.by_motion * step.by_motion;
@@ -174,7 +187,10 @@ RelativePosition KeyframeSelection::place(const View& view, const RelativePositi
   const PoseWithCovariance seen = measured(*out.placed);
   out.T = seen.T;
   out.known = true;
-  if (out.guessed) return out;
+  if (out.guessed) {
+    out.others = alternatives(placing_.modes(view, *graph[current_].view, prior), seen.T);
+    return out;
+  }
   const PoseWithCovariance by_motion{out.by_motion.T, withSharedErrors(out.by_motion.P)};
   if (squaredMahalanobis(seen, by_motion) > kFarEllipsoid)
     out.by_motion = {seen.T, graph.guessedStep().P};

@@ -43,6 +43,18 @@ double CameraTrajectory::length() const {
   return sum;
 }
 
+double CameraTrajectory::positionStd() const {
+  double largest = 0;
+  for (const Keyframe& k : keyframes) largest = std::max(largest, largestTranslationStd(k.T_w_c.P));
+  return largest;
+}
+
+double CameraTrajectory::rotationStd() const {
+  double largest = 0;
+  for (const Keyframe& k : keyframes) largest = std::max(largest, largestRotationStd(k.T_w_c.P));
+  return largest;
+}
+
 std::string OverlapVerdicts::toString() const {
   return fmt::format("{:.1f} % of {} overlaps of images contradict it by more than 1 deg or 0.1 m",
                      100 * contradictedShare(), judged());

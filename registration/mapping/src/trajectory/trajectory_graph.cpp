@@ -19,7 +19,10 @@ std::vector<KeyframeMotion> TrajectoryGraph::motions() const {
     if (const RelativePosition& at = nodes_[k].at; at.known)
       all.push_back(
           {nodes_[k].before, k, {at.by_motion.T, withSharedErrors(at.by_motion.P)}, Source::odometry});
-  all.insert(all.end(), relations_.begin(), relations_.end());
+  for (const KeyframeMotion& m : relations_) {
+    all.push_back(m);
+    if (m.from == nodes_[m.to].before) all.back().others = nodes_[m.to].at.others;
+  }
   return all;
 }
 

@@ -19,6 +19,7 @@ struct RelativePosition {
   bool guessed = false;                                 ///< by_motion is a prior of camera motion alone
   bool follows = true;                                  ///< odometry is right
   std::optional<PlacedView> placed;                     ///< comparison with that keyframe, if they agree
+  std::vector<AlternativeMotion> others;                ///< motions that this comparison leaves open
 };
 
 /** \brief A keyframe, and how it was reached. */

@@ -54,7 +54,12 @@ PoseGraph internal::keyframeGraph(const std::vector<Eigen::Isometry3d>& T_w_k,
   graph.T_w_n = T_w_k;
   for (const KeyframeMotion& m : motions) {
     PoseEdge edge{m.from, m.to, m.T_from_to, isComparison(m)};
-    if (isComparison(m)) edge.T_from_to.P *= std::max(1.0, (comparisons[m.from] + comparisons[m.to]) / 4.0);
+    edge.others = m.others;
+    if (isComparison(m)) {
+      const double shared = std::max(1.0, (comparisons[m.from] + comparisons[m.to]) / 4.0);
+      edge.T_from_to.P *= shared;
+      for (AlternativeMotion& other : edge.others) other.T_from_to.P *= shared;
+    }
     graph.edges.push_back(edge);
   }
   if (mounting) {

@@ -41,6 +41,12 @@ struct Keyframe {
   int part = 0;              ///< number of the first keyframe that motions lead to
 };
 
+/** \brief Another motion between two keyframes that their images leave open. */
+struct AlternativeMotion {
+  PoseWithCovariance T_from_to;
+  double log_odds = 0;  ///< of it against the likeliest motion, at most 0
+};
+
 /** \brief A motion between two keyframes by the images or by an odometry. */
 struct KeyframeMotion {
   enum class Source {
@@ -51,6 +57,7 @@ struct KeyframeMotion {
   int from = 0, to = 0;
   PoseWithCovariance T_from_to;
   Source source = Source::odometry;
+  std::vector<AlternativeMotion> others{};
 };
 
 /** \brief Overlapping keyframes whose views confirm or contradict the relative pose of a trajectory. */
@@ -78,6 +85,10 @@ struct CameraTrajectory {
   std::vector<int> parts() const;  ///< numbers of their first keyframes, the largest part first
   int loops() const;               ///< number of motions by which it has come back
   double length() const;           ///< path length [m], without the jumps between parts
+  /** \brief Standard deviations of the least known position [m] and rotation [rad] of its keyframes, along
+   * their least known axes, relative to the first keyframe of their part. */
+  double positionStd() const;
+  double rotationStd() const;
 };
 
 /** \brief Finds the trajectory of a depth camera, and nothing else is known: from image to image by
