@@ -94,6 +94,25 @@ TEST(MapMaking, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
+TEST(MapMaking, ReadsFewImagesTwice) {
+  constexpr int kModels = 5;
+  for (const bool with_poses : {true, false}) {
+    std::atomic<int> reads{0};
+    MapMaking counted;
+    for (int i = 0; i < kImages; ++i) {
+      MapImage image = imageOf(i, kStep * i, with_poses);
+      image.load = [&reads, load = image.load] { return ++reads, load(); };
+      counted.add(image);
+    }
+    counted.setNumberOfThreads(2);
+    ASSERT_FALSE(counted.finish().models.empty());
+    if (with_poses)
+      EXPECT_EQ(reads, kImages + kModels);
+    else
+      EXPECT_LE(reads, 3 * kImages + 2 * kModels) << "before and after the distortion is known";
+  }
+}
+
 TEST(MapMaking, LeavesOutImagesThatCannotBeRead) {
   MapMaking some = making(true);
   MapImage broken = imageOf(kImages, kStep * (kImages + 6), true);

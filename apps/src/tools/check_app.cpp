@@ -274,6 +274,7 @@ private:
   MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Trajectory& poses) const {
     MapMakingParams params;
     params.view = depth_.view;
+    params.distortion = false;  // no picture is kept for its estimate
     MapMaking making(camera, params);
     making.setNumberOfThreads(threads());
     addImages(sequence, poses, {depth_.width, pose_tolerance_}, making);

@@ -18,7 +18,7 @@ namespace {
 using Stage = MapProgress::Stage;
 
 constexpr std::size_t kImagesPerThread = 16;  // views built ahead of the one that is taken
-constexpr std::size_t kStarts = 24;           // images that others are registered with
+constexpr std::size_t kSample = 24;           // images
 constexpr double kLeastTurn = 1 * kDegree, kLeastDistance = 0.02;  // least motion that is compared [m]
 constexpr double kMostTurn = 15 * kDegree, kMostDistance = 0.4;    // after which no longer one is tried
 
@@ -75,12 +75,12 @@ View unmounted(View view) {
 }
 
 /** Motions to the images 1, 2, 4, ... after one, as long as they show the same. */
-std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImage>& images,
-                                    ViewBuilders& builders) {
+std::vector<SeenMotion> motionsFrom(std::size_t first, const ImageRun& run, ViewBuilders& builders) {
   std::vector<SeenMotion> motions;
-  const PairRegistration target(unmounted(builders.build(images[first])));
+  const std::vector<MapImage>& images = run.images;
+  const PairRegistration target(unmounted(run.viewOf(first, builders)));
   for (std::size_t gap = 1; first + gap < images.size(); gap *= 2) {
-    const Localization answer = target.align(unmounted(builders.build(images[first + gap])));
+    const Localization answer = target.align(unmounted(run.viewOf(first + gap, builders)));
     if (answer.state != AnswerState::sure) break;
     const Eigen::Isometry3d& T = answer.hypotheses.front().T_m_c.T;
     const double turn = rotationAngle(T.linear()), distance = T.translation().norm();
@@ -93,7 +93,7 @@ std::vector<SeenMotion> motionsFrom(std::size_t first, const std::vector<MapImag
 
 }  // namespace
 
-View ViewBuilders::build(const MapImage& image) {
+View ViewBuilders::build(const DepthImage& image, const std::optional<Gravity>& gravity) {
   std::unique_ptr<ViewBuilder> builder;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -103,7 +103,7 @@ View ViewBuilders::build(const MapImage& image) {
     }
   }
   if (!builder) builder = std::make_unique<ViewBuilder>(camera_, params_);
-  View view = builder->build(image.load(), image.gravity);
+  View view = builder->build(image, gravity);
   const std::lock_guard<std::mutex> lock(mutex_);
   idle_.push_back(std::move(builder));
   return view;
@@ -120,6 +120,20 @@ std::vector<std::size_t> ImageRun::all() const {
   return numbers;
 }
 
+std::vector<std::size_t> ImageRun::sample() const {
+  std::vector<std::size_t> numbers(std::min(images.size(), kSample));
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = i * images.size() / numbers.size();
+  return numbers;
+}
+
+DepthImage ImageRun::read(std::size_t i) const {
+  const DepthImage* kept = kept_images.find(i);
+  DepthImage image = kept ? *kept : images[i].load();
+  if (kept_pictures.lacks(i)) kept_pictures.keep(i, DepthPicture::fromDepth(image));
+  if (kept_images.lacks(i)) kept_images.keep(i, image);
+  return image;
+}
+
 void ImageRun::buildViews(const std::vector<std::size_t>& numbers, Stage of_progress,
                           std::vector<UnreadImage>& unread, const Take& take) const {
   ParallelStage work = stage(of_progress, numbers.size());
@@ -131,7 +145,7 @@ void ImageRun::buildViews(const std::vector<std::size_t>& numbers, Stage of_prog
     std::vector<std::string> causes(last - first);
     work.run(first, last, [&](std::size_t i) {
       try {
-        views[i - first] = builders.build(images[numbers[i]]);
+        views[i - first] = viewOf(numbers[i], builders);
       } catch (const std::exception& e) {
         causes[i - first] = e.what();
       }
@@ -196,7 +210,7 @@ std::vector<PoseJump> ImageRun::poseJumps(PoseCheck& check) const {
   const double disagreement = lengthOf(check.as_given.rotation_deg * kDegree, check.as_given.translation);
   std::vector<PoseJump> jumps;
   ViewBuilders builders(camera, view);
-  const auto viewOf = [&](std::size_t i) { return unmounted(builders.build(images[i])); };
+  const auto unmountedView = [&](std::size_t i) { return unmounted(viewOf(i, builders)); };
   for (std::size_t k = 0; k < std::min(steps.size(), kMostTried) && steps[k].excess > kLonger * usual_excess;
        ++k)
     try {
@@ -208,7 +222,7 @@ std::vector<PoseJump> ImageRun::poseJumps(PoseCheck& check) const {
                     {},
                     images[i].timed && images[i + 1].timed};
       const bool is_far = steps[k].length > kLonger * usual;
-      const Localization seen = PairRegistration(viewOf(i)).align(viewOf(i + 1));
+      const Localization seen = PairRegistration(unmountedView(i)).align(unmountedView(i + 1));
       if (seen.state != AnswerState::sure) {
         if (is_far && jump.isTooFast()) jumps.push_back(std::move(jump));
         continue;
@@ -229,12 +243,12 @@ std::vector<PoseJump> ImageRun::poseJumps(PoseCheck& check) const {
 }
 
 std::vector<SeenMotion> ImageRun::seenMotions() const {
-  const std::size_t starts = std::min(images.size(), kStarts);
-  std::vector<std::vector<SeenMotion>> motions(starts);
+  const std::vector<std::size_t> starts = sample();
+  std::vector<std::vector<SeenMotion>> motions(starts.size());
   ViewBuilders builders(camera, view);
-  stage(Stage::poses, starts).run([&](std::size_t i) {
+  stage(Stage::poses, starts.size()).run([&](std::size_t i) {
     try {
-      motions[i] = motionsFrom(i * images.size() / starts, images, builders);
+      motions[i] = motionsFrom(starts[i], *this, builders);
     } catch (const std::exception&) {  // the image is named when it is read for the map
     }
   });

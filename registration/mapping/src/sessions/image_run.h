@@ -2,8 +2,10 @@
 #pragma once
 
 #include "calibration/pose_check.h"
+#include "sessions/kept_of_images.h"
 #include "sessions/parallel_stage.h"
 
+#include <facetloc/features/depth_picture.h>
 #include <facetloc/mapping/map_findings.h>
 #include <facetloc/segmentation/view_builder.h>
 
@@ -17,7 +19,7 @@ namespace facetloc::internal {
 class ViewBuilders {
 public:
   ViewBuilders(const Camera& camera, const ViewParams& params) : camera_(camera), params_(params) {}
-  View build(const MapImage& image);
+  View build(const DepthImage& image, const std::optional<Gravity>& gravity);
 
 private:
   Camera camera_;
@@ -34,12 +36,23 @@ struct ImageRun {
   PosesByTime odometry;  // may be empty
   int threads = 1;
   MapProgressCallback progress;
+  mutable KeptOfImages<DepthImage> kept_images;
+  mutable KeptOfImages<DepthPicture> kept_pictures;
 
   ParallelStage stage(MapProgress::Stage stage, std::size_t items) const {
     return {stage, items, threads, progress};
   }
   bool hasPoses() const;
   std::vector<std::size_t> all() const;
+  /** \brief Some dozen images from all over the run, which show the same as hundreds. */
+  std::vector<std::size_t> sample() const;
+
+  /** \brief Reads an image unless it is kept, and keeps what is asked for. Thread-safe. Throws as
+   * MapImage::load. */
+  DepthImage read(std::size_t image) const;
+  View viewOf(std::size_t image, ViewBuilders& builders) const {
+    return builders.build(read(image), images[image].gravity);
+  }
 
   /** \brief Receives a view, in the order of the images; nothing of an image that could not be read. */
   using Take = std::function<void(std::size_t image, std::optional<View> view)>;

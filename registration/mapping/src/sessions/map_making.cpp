@@ -25,7 +25,6 @@ namespace {
 using Stage = MapProgress::Stage;
 
 constexpr std::size_t kCalibrationImages = 200;  // at most
-constexpr std::size_t kGeometryImages = 24;      // at most, which show the same as hundreds
 
 /** The poses of the images themselves, at their times. */
 PosesByTime posesOf(const std::vector<MapImage>& images) {
@@ -218,6 +217,7 @@ struct MapMaking::Impl {
   }
 
   bool findsTrajectory() const { return params.every == 0 && !run.images.empty() && !run.hasPoses(); }
+  bool hasGivenPoses() const { return run.hasPoses() || poses_by_time; }
   int partOf(std::size_t image) const {
     const auto& found = findings.trajectory;
     if (found) return found->partOf(found->images[image]);
@@ -228,7 +228,11 @@ struct MapMaking::Impl {
   std::optional<Eigen::Isometry3d> pose(std::size_t image) const;
   /** Pose in the world of its part. */
   std::optional<Eigen::Isometry3d> poseInPart(std::size_t image) const;
-  std::vector<PosedPicture> pictures(std::vector<DepthPicture>& depth) const;
+  std::vector<std::size_t> calibrationImages() const;
+  void keepPictures() {
+    if (params.distortion) run.kept_pictures.ask(calibrationImages());
+  }
+  std::vector<PosedPicture> pictures();
   void calibrate();
   std::vector<Link> linksOfPoses(const std::vector<std::size_t>& images) const;
   std::vector<Link> links(const std::vector<std::size_t>& images) const {
@@ -280,29 +284,38 @@ void MapMaking::Impl::split() {
   std::stable_sort(parts.begin(), parts.end(), [&](int a, int b) { return sizes[a] > sizes[b]; });
 }
 
-/** Images of the whole run; the same for any number of threads. Those that cannot be read are empty. */
-std::vector<PosedPicture> MapMaking::Impl::pictures(std::vector<DepthPicture>& depth) const {
-  std::vector<std::pair<std::size_t, Eigen::Isometry3d>> posed;
+/** Images of the whole run that have a pose, or will have; the same for any number of threads. */
+std::vector<std::size_t> MapMaking::Impl::calibrationImages() const {
+  const bool all = findsTrajectory() && !findings.trajectory;
+  std::vector<std::size_t> posed;
   for (std::size_t i = 0; i < run.images.size(); ++i)
-    if (const auto T_w_c = pose(i)) posed.emplace_back(i, *T_w_c);
-  depth.resize(std::min(posed.size(), kCalibrationImages));
-  const auto chosen = [&](std::size_t i) { return posed[i * posed.size() / depth.size()]; };
-  run.stage(Stage::distortion, depth.size()).run([&](std::size_t i) {
+    if (all || pose(i)) posed.push_back(i);
+  std::vector<std::size_t> chosen(std::min(posed.size(), kCalibrationImages));
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = posed[i * posed.size() / chosen.size()];
+  return chosen;
+}
+
+/** Those that have been read for an earlier step are kept; those that cannot be read are left out. */
+std::vector<PosedPicture> MapMaking::Impl::pictures() {
+  const std::vector<std::size_t> chosen = calibrationImages();
+  run.kept_pictures.ask(chosen);
+  run.stage(Stage::distortion, chosen.size()).run([&](std::size_t i) {
     try {
-      depth[i].assign(run.images[chosen(i).first].load());
+      if (run.kept_pictures.lacks(chosen[i])) run.read(chosen[i]);
     } catch (const std::exception&) {  // the image is named when it is to become a local model
     }
   });
-  std::vector<PosedPicture> all;
-  for (std::size_t i = 0; i < depth.size(); ++i) all.push_back({&depth[i], chosen(i).second});
-  return all;
+  std::vector<PosedPicture> found;
+  for (const std::size_t image : chosen)
+    if (const DepthPicture* picture = run.kept_pictures.find(image))
+      if (const auto T_w_c = pose(image)) found.push_back({picture, *T_w_c});
+  return found;
 }
 
 void MapMaking::Impl::calibrate() {
   if (std::exchange(calibrated, true)) return;
-  std::vector<DepthPicture> depth;
   findings.distortion = calibrateDistortion(
-      pictures(depth), run.camera.noise,
+      pictures(), run.camera.noise,
       {params.places.pose_rotation_std_deg * kDegree, params.places.pose_translation_std}, run.threads);
   run.camera.distortion.reset();
   if (findings.distortion && findings.distortion->reliable())
@@ -373,6 +386,7 @@ void MapMaking::findTrajectory() {
   // A second trajectory is found without the distortion that the first one shows. Its poses are
   // better, which is why findDistortion() estimates the distortion once more, for the local models.
   for (const bool again : {false, true}) {
+    m.keepPictures();
     CameraTrajectory found = m.run.findTrajectory(m.params.trajectory, m.findings);
     if (m.findings.noneRead(m.run.images.size())) return;
     if (!m.run.camera.mounting) m.run.level(found);  // else its world is the robot's
@@ -387,10 +401,13 @@ void MapMaking::findTrajectory() {
 
 void MapMaking::checkGeometry() {
   Impl& m = *impl_;
-  std::vector<DepthImage> images(std::min(m.run.images.size(), kGeometryImages));
+  const std::vector<std::size_t> sample = m.run.sample();
+  m.keepPictures();
+  if (m.hasGivenPoses()) m.run.kept_images.ask(sample);
+  std::vector<DepthImage> images(sample.size());
   m.run.stage(Stage::poses, images.size()).run([&](std::size_t i) {
     try {
-      images[i] = m.run.images[i * m.run.images.size() / images.size()].load();
+      images[i] = m.run.read(sample[i]);
       dropBeyond(m.run.camera.max_depth, images[i]);
     } catch (const std::exception&) {  // the image is named when it is read for the map
     }
@@ -403,13 +420,15 @@ void MapMaking::checkGeometry() {
 
 void MapMaking::checkPoses() {
   Impl& m = *impl_;
-  if (!m.run.hasPoses() && !m.poses_by_time) return;
+  if (!m.hasGivenPoses()) return;
+  m.keepPictures();
   m.findings.images = m.run.images.size();
   m.findings.without_pose = static_cast<std::size_t>(std::count_if(
       m.run.images.begin(), m.run.images.end(), [](const MapImage& image) { return !image.T_w_c; }));
   m.findings.poses =
       internal::checkPoses(m.run.seenMotions(), m.poses_by_time ? m.poses_by_time : posesOf(m.run.images));
   m.findings.jumps = m.run.poseJumps(*m.findings.poses);
+  m.run.kept_images.ask({});
   m.split();
 }
 
@@ -470,6 +489,7 @@ bool MapMaking::finish(MapSink& sink, const ModelMaker& make) {
       if (m.params.distortion) findDistortion();
       if (m.run.camera.distortion || present->camera.distortion) sink.setCamera(m.run.camera);
     }
+    m.run.kept_pictures.ask({});
   }
   if (const auto& found = m.findings.trajectory) sink.setMeta(kTrajectoryKey, found->overlaps.toString());
 

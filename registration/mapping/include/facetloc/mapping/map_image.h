@@ -17,8 +17,8 @@ namespace facetloc {
 struct MapImage {
   std::string name;  ///< unique within the run
   double stamp = 0;  ///< [s]
-  /** Reads it, at the resolution to work at and as its camera has measured it. It is called up to five times,
-   * by any thread, so that no image need stay in memory. An image for which it throws is left out. */
+  /** Reads it, at the resolution to work at and as its camera has measured it. It is called a few times, by
+   * any thread, so that no image need stay in memory. An image for which it throws is left out. */
   std::function<DepthImage()> load;
   std::optional<Eigen::Isometry3d> T_w_c{};  ///< pose of the camera, if it is known
   std::optional<Gravity> gravity{};          ///< measured direction in its optical frame; empty if unknown
