@@ -17,7 +17,6 @@
 namespace facetloc {
 namespace {
 
-constexpr std::size_t kMostImages = 16;
 constexpr std::size_t kValues = 65536;
 constexpr int kLargestDivisor = 512;
 constexpr double kMultiples = 0.98;          // share of the values
@@ -120,11 +119,9 @@ std::optional<Finding> divisorFinding(const DepthValues& values, double depth_sc
 }  // namespace
 
 DepthValues depthValues(const DepthSequence& sequence) {
-  const auto& frames = sequence.frames();
-  const std::size_t n = std::min(frames.size(), kMostImages);
   Counter counter;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto& path = frames[i * frames.size() / n].path;
+  for (const std::size_t index : internal::valueSample(sequence)) {
+    const auto& path = sequence.frames()[index].path;
     if (!internal::isPng(path) || !std::filesystem::is_regular_file(path)) continue;  // a pipe is read once
     try {
       constexpr int kBits = 16;
@@ -238,11 +235,14 @@ Findings readingFindings(const DepthSequence& sequence) {
   Findings all;
   for (const std::string& remark : sequence.remarks())
     all.push_back({"reading.remark", Severity::note, remark, ""});
+  Counter counter;
+  const internal::ValueSample sample(
+      sequence, [&counter](const Raster<std::uint16_t>& values) { counter.add(values); });
   if (const auto& file = sequence.camera()) {
     if (auto optics = opticsFinding(file->camera.intrinsics)) all.push_back(std::move(*optics));
-    append(checkValues(depthValues(sequence), file->depth_scale).findings, all);
+    append(checkValues(std::move(counter).result(), file->depth_scale).findings, all);
   }
-  if (!firstOf(all, Severity::refusal)) append(internal::valueFindings(sequence), all);
+  if (!firstOf(all, Severity::refusal)) append(sample.findings(), all);
   return all;
 }
 

@@ -3,9 +3,9 @@
 
 #include "base/median.h"
 #include "bytes/files.h"
+#include "images/depth_file.h"
 
 #include <facetloc/features/depth_image.h>
-#include <facetloc/io/png.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,12 +24,6 @@ namespace {
 constexpr std::size_t kMostImages = 16;
 constexpr std::size_t kLeastImages = 3;    // that have to agree
 constexpr std::size_t kLeastPixels = 100;  // measured pixels of an image that is judged
-
-struct ValueImage {
-  DepthImage depth;        // as stored, at the working width, without max_depth
-  bool stretched = false;  // to the range of its format
-  std::vector<float> measured;
-};
 
 /** Do the values reach the largest one of an integer format, or 1, and come close to it before? */
 template <typename Value>
@@ -50,34 +44,6 @@ ValueImage valueImage(const DepthImage& depth) {
   for (const float z : image.depth.depth)
     if (isMeasured(z)) image.measured.push_back(z);
   return image;
-}
-
-ValueImage readImage(const DepthSequence& sequence, std::size_t index) {
-  const DepthImage depth = sequence.load(index);
-  ValueImage image = valueImage(depth);
-  const auto& path = sequence.frames()[index].path;
-  constexpr int kBits = 16;
-  if (isPng(path))
-    image.stretched = isStretched<std::uint16_t>(readGreyPng(path, kBits).data, {255, 65535});
-  else
-    image.stretched = isStretched<float>(depth.depth, {1.0F});
-  return image;
-}
-
-std::vector<ValueImage> readImages(const DepthSequence& sequence) {
-  std::vector<ValueImage> images;
-  const auto& frames = sequence.frames();
-  const std::size_t n = std::min(frames.size(), kMostImages);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t index = i * frames.size() / n;
-    if (!std::filesystem::is_regular_file(frames[index].path)) continue;
-    try {
-      ValueImage image = readImage(sequence, index);
-      if (image.measured.size() >= kLeastPixels) images.push_back(std::move(image));
-    } catch (const std::exception&) {  // the image is named when it is read for its content
-    }
-  }
-  return images;
 }
 
 bool hasOneValue(const ValueImage& image) {
@@ -277,12 +243,47 @@ Findings judged(const std::vector<ValueImage>& images, double max_depth) {
 
 }  // namespace
 
-Findings valueFindings(const DepthSequence& sequence) {
-  if (sequence.ofSegments()) return {};
-  const double max_depth =
-      sequence.camera() ? sequence.camera()->camera.max_depth : std::numeric_limits<double>::infinity();
-  return judged(readImages(sequence), max_depth);
+std::vector<std::size_t> valueSample(const DepthSequence& sequence) {
+  const std::size_t all = sequence.frames().size();
+  std::vector<std::size_t> numbers(std::min(all, kMostImages));
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = i * all / numbers.size();
+  return numbers;
 }
+
+ValueImage ValueSample::read(const DepthSequence& sequence, std::size_t index,
+                             const std::function<void(const Raster<std::uint16_t>&)>& take) {
+  const auto& path = sequence.frames()[index].path;
+  if (!isPng(path)) {
+    const DepthImage depth = sequence.load(index);
+    ValueImage image = valueImage(depth);
+    image.stretched = isStretched<float>(depth.depth, {1.0F});
+    return image;
+  }
+  constexpr int kBits = 16;
+  Raster<std::uint16_t> values = readGreyPng(path, kBits);
+  take(values);
+  const bool stretched = isStretched<std::uint16_t>(values.data, {255, 65535});
+  ValueImage image = valueImage(sequence.imageOf(index, storedIn(std::move(values))));
+  image.stretched = stretched;
+  return image;
+}
+
+ValueSample::ValueSample(const DepthSequence& sequence,
+                         const std::function<void(const Raster<std::uint16_t>&)>& take)
+    : max_depth_(sequence.camera() ? sequence.camera()->camera.max_depth
+                                   : std::numeric_limits<double>::infinity()) {
+  if (sequence.ofSegments()) return;
+  for (const std::size_t index : valueSample(sequence)) {
+    if (!std::filesystem::is_regular_file(sequence.frames()[index].path)) continue;  // a pipe is read once
+    try {
+      ValueImage image = read(sequence, index, take);
+      if (image.measured.size() >= kLeastPixels) images_.push_back(std::move(image));
+    } catch (const std::exception&) {  // the image is named when it is read for its content
+    }
+  }
+}
+
+Findings ValueSample::findings() const { return judged(images_, max_depth_); }
 
 Findings valueFindings(const std::vector<DepthImage>& images, double max_depth) {
   std::vector<ValueImage> values;

@@ -216,12 +216,15 @@ private:
 namespace {
 
 /** As it is stored. */
-DepthImage depthOf(const fs::path& path, const CameraFile& file) {
-  StoredDepth values = readDepthValues(path);
+DepthImage depthOf(const fs::path& path, StoredDepth values, const CameraFile& file) {
   const Intrinsics& intrinsics = file.camera.intrinsics;
   internal::requireSizeOf(intrinsics, values.width, values.height, path);
   return {intrinsics,
           values.metres.empty() ? metresOf(values.numbers, file.depth_scale) : std::move(values.metres)};
+}
+
+DepthImage depthOf(const fs::path& path, const CameraFile& file) {
+  return depthOf(path, readDepthValues(path), file);
 }
 
 }  // namespace
@@ -325,7 +328,15 @@ std::optional<std::vector<std::uint32_t>> DepthSequence::pixelsOfPoints(std::siz
 }
 
 DepthImage DepthSequence::load(std::size_t index, int working_width) const {
-  DepthImage image = loadAsStored(index).image;
+  return worked(loadAsStored(index).image, index, working_width);
+}
+
+/** Of a file whose values have been read already. */
+DepthImage DepthSequence::imageOf(std::size_t index, StoredDepth values) const {
+  return worked(depthOf(frames_.at(index).path, std::move(values), *camera_), index, 0);
+}
+
+DepthImage DepthSequence::worked(DepthImage image, std::size_t index, int working_width) const {
   if (lens_ && !isStoredAsCloud(index)) image = (*lens_)(image);
   fillHoleGrid(image);
   return workingImage(image, working_width);

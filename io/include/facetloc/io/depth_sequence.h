@@ -16,11 +16,14 @@
 
 namespace facetloc {
 
+struct StoredDepth;
+
 namespace internal {
 struct CloudImage;
 class ImageContainer;
 struct ImageTimes;
 class SequenceReader;
+class ValueSample;
 }  // namespace internal
 
 /** \brief One image of a sequence, not yet read. */
@@ -142,12 +145,15 @@ public:
 
 private:
   friend class internal::SequenceReader;
+  friend class internal::ValueSample;
   DepthSequence() = default;
   Trajectory asOfImages(const Trajectory& poses, const PoseReading& reading) const;
   Trajectory readAs(const std::filesystem::path& path, const PoseReading& reading, std::string* remark) const;
   std::string frameOfPoses(const PoseReading& reading) const;
   std::optional<Intrinsics> knownIntrinsics() const;
   internal::CloudImage loadAsStored(std::size_t index) const;
+  DepthImage imageOf(std::size_t index, StoredDepth values) const;
+  DepthImage worked(DepthImage as_stored, std::size_t index, int working_width) const;
   bool isStoredAsCloud(std::size_t index) const;
 
   std::vector<FrameFile> frames_;
