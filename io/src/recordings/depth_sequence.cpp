@@ -331,7 +331,7 @@ DepthImage DepthSequence::load(std::size_t index, int working_width) const {
   return worked(loadAsStored(index).image, index, working_width);
 }
 
-/** Of a file whose values have been read already. */
+/** The image of a file whose values have been read already. */
 DepthImage DepthSequence::imageOf(std::size_t index, StoredDepth values) const {
   return worked(depthOf(frames_.at(index).path, std::move(values), *camera_), index, 0);
 }
