@@ -15,8 +15,14 @@
 
 namespace facetloc::internal {
 
-/** \brief Eight neighbouring pixels of a row as one value, and four of them where sums have to be exact. */
-constexpr int kLanes = 8, kDoubleLanes = 4;
+/** \brief Neighbouring pixels of a row as one value: eight on x86-64, whose widest registers hold them, and
+ * elsewhere four, since GCC compares larger vectors element by element. Four where sums have to be exact. */
+#ifdef __x86_64__
+constexpr int kLanes = 8;
+#else
+constexpr int kLanes = 4;
+#endif
+constexpr int kDoubleLanes = 4;
 typedef float Floats __attribute__((vector_size(4 * kLanes)));
 typedef std::int32_t Ints __attribute__((vector_size(4 * kLanes)));
 typedef std::int16_t Shorts __attribute__((vector_size(2 * kLanes)));
@@ -25,10 +31,15 @@ typedef float FloatQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef std::int32_t IntQuad __attribute__((vector_size(4 * kDoubleLanes)));
 typedef double Doubles __attribute__((vector_size(8 * kDoubleLanes)));
 
-constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
-constexpr Floats kLaneOffset = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr IntQuad kQuadLane = {0, 1, 2, 3};
 constexpr FloatQuad kQuadOffset = {0, 1, 2, 3};
+#ifdef __x86_64__
+constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr Floats kLaneOffset = {0, 1, 2, 3, 4, 5, 6, 7};
+#else
+constexpr Ints kLane = kQuadLane;
+constexpr Floats kLaneOffset = kQuadOffset;
+#endif
 constexpr Doubles kDoubleOffset = {0, 1, 2, 3};
 
 #define FACETLOC_ALWAYS_INLINE inline __attribute__((always_inline))

@@ -14,12 +14,22 @@ constexpr int kPixels = kSmallestCell * kSmallestCell;
 constexpr float kVariance = 1.25f;  // variance of the columns, or rows, of a cell
 constexpr int kTogether = kLanes / kSmallestCell;
 
-// Sums over two neighbouring cells, lane by lane: those of the left one are in the first four lanes.
+// Sums over neighbouring cells, as many as one vector holds, lane by lane: those of the left one are in the
+// first four lanes.
 struct CellSums {
   Floats reference;  // a pixel of the cell
   Floats x, vx, xx;  // sums over x = d - reference, with v counted from the middle of the cell
   std::int32_t is_measured[kTogether];  // all of the cell
 };
+
+// The first pixel of each cell in all lanes of the cell.
+template <typename Lanes>
+FACETLOC_ALWAYS_INLINE void spread(const Lanes& row, Lanes& first) {
+  if constexpr (kTogether == 2)
+    first = __builtin_shufflevector(row, row, 0, 0, 0, 0, 4, 4, 4, 4);
+  else
+    first = Lanes{} + row[0];
+}
 
 FACETLOC_ALWAYS_INLINE void sumCells(const float* d, int width, CellSums& sums) {
   Floats row[kSmallestCell];
@@ -28,7 +38,7 @@ FACETLOC_ALWAYS_INLINE void sumCells(const float* d, int width, CellSums& sums) 
   std::uint64_t halves[2 * kTogether];
   std::memcpy(halves, &measured, sizeof halves);
   for (int i = 0; i < kTogether; ++i) sums.is_measured[i] = (halves[2 * i] & halves[2 * i + 1]) == ~0ull;
-  sums.reference = __builtin_shufflevector(row[1], row[1], 0, 0, 0, 0, 4, 4, 4, 4);
+  spread(row[1], sums.reference);
   for (Floats& x : row) x -= sums.reference;
   sums.x = (row[0] + row[1]) + (row[2] + row[3]);
   sums.vx = 1.5f * (row[3] - row[0]) + 0.5f * (row[2] - row[1]);
@@ -73,9 +83,9 @@ void fitCell(const DisparityImage& image, int u, int v, const CellBounds& bounds
   cell.flat = cell.sse <= m.n * bounds.max_square;
 }
 
-// Cells in pairs, as long as the image has pixels for both. \return the first column that is left.
-FACETLOC_MULTIVERSION int fitPairs(const DisparityImage& image, int v, const CellBounds& bounds,
-                                   Cell* cells) {
+// Whole vectors of cells, as long as the image has pixels for them. \return the first column that is left.
+FACETLOC_MULTIVERSION int fitTogether(const DisparityImage& image, int v, const CellBounds& bounds,
+                                      Cell* cells) {
   const int width = image.camera.width;
   const float* const d = image.d.data() + static_cast<std::size_t>(v) * width;
   int u = 0;
@@ -98,7 +108,7 @@ FACETLOC_MULTIVERSION int fitPairs(const DisparityImage& image, int v, const Cel
 
 void fitSmallestCells(const DisparityImage& image, int row, const CellBounds& bounds, Cell* cells) {
   const int v = row * kSmallestCell;
-  int u = v + kSmallestCell <= image.camera.height ? fitPairs(image, v, bounds, cells) : 0;
+  int u = v + kSmallestCell <= image.camera.height ? fitTogether(image, v, bounds, cells) : 0;
   for (; u < image.camera.width; u += kSmallestCell) fitCell(image, u, v, bounds, cells[u / kSmallestCell]);
 }
 

@@ -41,7 +41,7 @@ constexpr std::uint64_t keyOf(std::uint64_t deviation_bits, std::int32_t index) 
 }
 constexpr std::int32_t indexOf(std::uint64_t key) { return ~static_cast<std::int32_t>(key); }
 
-// Counts the valid ones of eight pixels and keeps, lane by lane, the bits of their largest deviation from
+// Counts the valid pixels of a vector and keeps, lane by lane, the bits of their largest deviation from
 // the prediction of a plane; non-negative floats order like integers.
 FACETLOC_ALWAYS_INLINE void lookAt(const Floats& d, const Floats& expected, const Ints& is_valid,
                                    Ints& largest, Ints& num_valid) {

@@ -31,7 +31,7 @@ struct Comparison {
   bool of_noise;
 };
 
-/** Sums of eight lanes each. */
+/** Sums, lane by lane. */
 struct Sums {
   Floats A[kSums]{}, noise[kSums]{}, g[6]{}, weight{};
 };

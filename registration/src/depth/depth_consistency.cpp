@@ -29,7 +29,7 @@ DepthAgreement sumOf(const DepthComparison& comparison, const DepthPicture& a, c
   return sum;
 }
 
-/** Eight pixels compared with another picture. */
+/** Neighbouring pixels compared with another picture. */
 struct Judged {
   Ints inside, contradicts, hides;  // the last two also of pixels that are not inside
   Floats difference, error;         // difference of inverse depths and its error [1/m]
@@ -37,7 +37,7 @@ struct Judged {
 
 // Judges pixels u, u + step, ... of a row of picture a; the point of inverse depth rho on a ray b is
 // (R b + t rho) / rho, so that everything stays in inverse depth.
-FACETLOC_ALWAYS_INLINE void judgeEight(const DepthComparator::Geometry& g, const float (&start)[3],
+FACETLOC_ALWAYS_INLINE void judgeLanes(const DepthComparator::Geometry& g, const float (&start)[3],
                                        const std::uint16_t* row, int u, int step, int n, int i, Judged& out) {
   Floats column, rho, p[3];
   readPixels(row, u, step, n, i, column, rho);
@@ -83,7 +83,7 @@ FACETLOC_MULTIVERSION void judgePixels(const DepthComparator::Geometry& g, const
   g.rays.startRow(v, start);
   for (int i = 0; i < n; i += kLanes) {
     Judged judged;
-    judgeEight(g, start, row, u, step, n, i, judged);
+    judgeLanes(g, start, row, u, step, n, i, judged);
     constexpr Ints kAgree = Ints{} + int(DepthLabel::agree),
                    kContradict = Ints{} + int(DepthLabel::contradict),
                    kOcclude = Ints{} + int(DepthLabel::occluded);
@@ -102,7 +102,7 @@ FACETLOC_MULTIVERSION void countPixels(const DepthComparator::Geometry& g, const
   Counts counts;
   for (int i = 0; i < n; i += kLanes) {
     Judged judged;
-    judgeEight(g, start, row, u, step, n, i, judged);
+    judgeLanes(g, start, row, u, step, n, i, judged);
     counts.add(judged);
   }
   counts.addTo(total);
@@ -116,7 +116,7 @@ FACETLOC_MULTIVERSION void addPixels(const DepthComparator::Geometry& g, const s
   Floats sum{}, misfit{};
   for (int i = 0; i < n; i += kLanes) {
     Judged judged;
-    judgeEight(g, start, row, u, step, n, i, judged);
+    judgeLanes(g, start, row, u, step, n, i, judged);
     counts.add(judged);
     const auto& [inside, contradicts, hides, difference, error] = judged;
 

@@ -12,7 +12,7 @@ namespace facetloc::internal {
 
 /** \brief A point that one depth picture has measured, and the measurement of another picture there.
  *
- * Number is double, or Floats for eight points at once. The picture is taken as linear in inverse depth, as
+ * Number is double, or Floats for several points at once. The picture is taken as linear in inverse depth, as
  * it is on planes; its gradient comes from five pixels: centre, left, right, up and down of it. */
 template <typename Number, typename Vector>
 struct DepthDifferenceOf {

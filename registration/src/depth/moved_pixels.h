@@ -36,7 +36,7 @@ inline TurnedRays raysOf(const Intrinsics& c, const Eigen::Matrix3d& R) {
   return rays;
 }
 
-/** \brief Columns and inverse depths [1/m] of eight of the n pixels first, first + step, ... of a row, from
+/** \brief Columns and inverse depths [1/m] of some of the n pixels first, first + step, ... of a row, from
  * the i-th on. The last of the n stands in for those beyond it. */
 FACETLOC_ALWAYS_INLINE void readPixels(const std::uint16_t* row, int first, int step, int n, int i, Floats& u,
                                        Floats& rho) {

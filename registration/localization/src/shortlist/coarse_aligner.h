@@ -14,14 +14,14 @@ namespace facetloc::internal {
 constexpr float kReachTurnDeg = 60;  // between their headings [deg]
 constexpr float kReachMove = 2.8f;   // along each axis [m]
 
-/** \brief Which of eight walls overlap with another one in height, or nearly: parts of one wall may. */
+/** \brief Which of several walls overlap with another one in height, or nearly: parts of one wall may. */
 FACETLOC_ALWAYS_INLINE void overlapInHeight(const Floats& bottom, const Floats& top, const Wall& wall,
                                             Ints& overlaps) {
   constexpr float kGap = 0.05f;  // [m]
   overlaps = (bottom - wall.top <= kGap) & (wall.bottom - top <= kGap);
 }
 
-/** \brief How many edges two walls have in common: float, or Floats for eight pairs of walls.
+/** \brief How many edges two walls have in common: float, or Floats for several pairs of walls.
  * \param lower, upper differences in height of these edges, NaN where one of the two is not seen [m] */
 template <typename Number>
 FACETLOC_ALWAYS_INLINE void countEdges(const Number& lower, const Number& upper, Number& edges) {
