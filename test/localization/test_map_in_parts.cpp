@@ -15,7 +15,10 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <iomanip>
+#include <sstream>
 #include <string>
 
 namespace facetloc {
@@ -116,6 +119,36 @@ TEST_F(MapInParts, LinksAloneLocalizeAsWellAsPoses) {
   EXPECT_GE(by_links.sure, 0.95 * with_poses.sure);
   EXPECT_EQ(by_links.wrong, 0);
   EXPECT_EQ(with_poses.wrong, 0);
+}
+
+// test/aarch64.sh compares the recorded answers of two processors.
+TEST_F(MapInParts, AnswersAreRecordedForTheComparisonOfProcessors) {
+  const auto record = [](const std::string& name, const Localization& answer) {
+    std::ostringstream text;
+    text << std::setprecision(12) << toString(answer.state);
+    if (!answer.hypotheses.empty()) {
+      const Hypothesis& best = answer.hypotheses.front();
+      const Eigen::Isometry3d T_w_c = answer.T_w_c ? answer.T_w_c->T : *best.T_w_c;
+      text << " " << best.model << " " << std::log(best.probability) - std::log1p(-best.probability) << " "
+           << T_w_c.translation().transpose() << " "
+           << Eigen::Quaterniond(T_w_c.linear()).coeffs().transpose();
+    }
+    RecordProperty(name, text.str());
+  };
+  const GlobalLocalization localization(map);
+  int sure = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Localization answer = localization.localize(queries[i].view);
+    sure += answer.state == AnswerState::sure;
+    record("single" + std::to_string(i), answer);
+  }
+  Localizer localizer(map);
+  for (std::size_t i = 0; i < drive_on.size(); ++i) {
+    const Localization answer = localizer.update(drive_on[i].view, 0.1 * static_cast<double>(i));
+    sure += answer.state == AnswerState::sure;
+    record("drive" + std::to_string(i), answer);
+  }
+  EXPECT_GT(sure, static_cast<int>(queries.size() + drive_on.size()) / 2);
 }
 
 TEST_F(MapInParts, ViewsInAFileGiveTheAnswersOfThoseInMemory) {
