@@ -100,10 +100,9 @@ FACETLOC_MULTIVERSION int listBorders(const std::uint16_t* row, const std::uint1
     std::memcpy(&down, below + u, sizeof down);
     const Shorts differs = (here ^ left) | (here ^ right) | (here ^ up) | (here ^ down);
     const Shorts is_border = (here != 0) & (differs != 0);
-    std::uint64_t parts[sizeof is_border / sizeof(std::uint64_t)], any = 0;
-    std::memcpy(parts, &is_border, sizeof parts);
-    for (const std::uint64_t part : parts) any |= part;
-    if (any == 0) continue;
+    std::uint64_t any[2] = {};
+    std::memcpy(any, &is_border, sizeof is_border);
+    if ((any[0] | any[1]) == 0) continue;
     for (int k = 0; k < kLanes; ++k) columns[n] = u + k, n -= is_border[k];
   }
   for (; u < width; ++u) look(u);
