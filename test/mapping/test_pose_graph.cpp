@@ -65,7 +65,7 @@ protected:
   const std::vector<Eigen::Isometry3d> truth_ = truth();
 };
 
-// Of two doors that look the same, one image later, the rest of the graph decides.
+// Two doors look the same one image later; the rest of the graph decides.
 TEST_F(Round, OtherMotionsChooseAmongAlternatives) {
   PoseGraph g = graph(3, true);
   PoseEdge& doubtful = g.edges[5];

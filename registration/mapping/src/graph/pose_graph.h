@@ -13,7 +13,7 @@ struct PoseEdge {
   int from = 0, to = 0;          ///< numbers of the nodes
   PoseWithCovariance T_from_to;  ///< positive definite
   bool may_be_wrong = false;     ///< a closed loop: has little weight if it contradicts all other edges
-  std::vector<AlternativeMotion> others{};  ///< of which the graph may choose one instead (max-mixture)
+  std::vector<AlternativeMotion> others{};  ///< one of them may be chosen instead (max-mixture)
 };
 
 /** \brief A level floor, z = 0, that robots with cameras stand on. */

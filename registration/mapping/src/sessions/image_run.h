@@ -47,7 +47,7 @@ struct ImageRun {
   /** \brief Some dozen images from all over the run, which show the same as hundreds. */
   std::vector<std::size_t> sample() const;
 
-  /** \brief Reads an image unless it is kept, and keeps what is asked for. Thread-safe. Throws as
+  /** \brief Reads an image unless it is kept, and keeps it or its picture if asked to. Thread-safe. Throws as
    * MapImage::load. */
   DepthImage read(std::size_t image) const;
   View viewOf(std::size_t image, ViewBuilders& builders) const {

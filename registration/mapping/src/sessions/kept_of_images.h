@@ -10,12 +10,12 @@
 
 namespace facetloc::internal {
 
-/** \brief What is kept of some images of a run once they are read, so that a later step need not read them
+/** \brief Things kept of some images of a run once they are read, so that a later step need not read them
  * again: of those that are asked for, however long the run is. Thread-safe but for ask(). */
 template <typename Thing>
 class KeptOfImages {
 public:
-  /** \brief Gives up what is kept of other images. */
+  /** \brief Gives up the things of other images. */
   void ask(const std::vector<std::size_t>& images) {
     std::map<std::size_t, std::optional<Thing>> asked;
     for (const std::size_t image : images) asked.try_emplace(image, std::move(things_[image]));

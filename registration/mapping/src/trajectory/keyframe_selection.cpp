@@ -78,17 +78,13 @@ bool showsSame(const PlacedView& placed, bool is_lost) {
          largestTranslationStd(measured(placed).P) <= kSureStd;
 }
 
-// The places that count as a comparison, beside the one that is taken; none if it is not among them.
-std::vector<AlternativeMotion> alternatives(const std::vector<PlacedView>& modes,
-                                            const Eigen::Isometry3d& taken) {
-  const auto isTaken = [&](const PlacedView& mode) { return kSameMotion.joins(mode.T_a_b, taken); };
-  const auto likeliest = std::find_if(modes.begin(), modes.end(), isTaken);
-  if (likeliest == modes.end()) return {};
-  std::vector<AlternativeMotion> others;
-  for (const PlacedView& mode : modes)
-    if (!isTaken(mode) && mode.agreement >= kLeastAgreement && mode.overlap >= kLeastOverlap)
-      others.push_back({measured(mode), std::min(0.0, mode.log_likelihood - likeliest->log_likelihood)});
-  return others;
+// The poses of two views that count as a comparison, the likeliest first.
+std::vector<PlacedView> comparisons(std::vector<PlacedView> modes) {
+  const auto counts = [](const PlacedView& mode) {
+    return mode.agreement >= kLeastAgreement && mode.overlap >= kLeastOverlap;
+  };
+  modes.erase(std::remove_if(modes.begin(), modes.end(), std::not_fn(counts)), modes.end());
+  return modes;
 }
 
 RelativePosition moved(const RelativePosition& from, const RelativePosition& step) {
@@ -119,13 +115,16 @@ bool KeyframeSelection::add(const SharedView& view, double stamp,
   if (is_gap) return beginAgain(view, stamp, graph);
   const ViewMotion seen = odometry_.add(*view, dt);
   const bool is_sparse = dt > kLongStep, shows_anything = !view->segments.empty() || !view->depth.empty();
-  const RelativePosition step = stepBy(seen, is_sparse, given, graph);
+  const RelativePosition step = stepBy(seen, dt, given, graph);
+  const SharedView before = latest_;
+  const Eigen::Isometry3d T_k_before = since_.T;
   if (shows_anything && (is_sparse || seen.broken || seen.agreement < kClearAgreement))
     compareWithKeyframe(view, step, graph);
   else
     since_ = moved(since_, step);
   if (since_.known && (since_.placed || !since_.guessed))
     speed_.addMotion(since_.T, stamp - graph[current_].stamp);
+  learnVelocity(before, T_k_before, dt, graph);
   latest_ = shows_anything ? view : nullptr;
   addImage(stamp, since_.T, graph);
   const double distance = is_sparse ? kSparse : params_.odometry.key_distance,
@@ -138,10 +137,10 @@ bool KeyframeSelection::add(const SharedView& view, double stamp,
 }
 
 // Motion by a given odometry and by the views, each as well as it knows.
-RelativePosition KeyframeSelection::stepBy(const ViewMotion& seen, bool is_sparse,
+RelativePosition KeyframeSelection::stepBy(const ViewMotion& seen, double dt,
                                            const std::optional<Eigen::Isometry3d>& given,
                                            const TrajectoryGraph& graph) const {
-  const bool is_seen = !seen.broken && !is_sparse;
+  const bool is_seen = !seen.broken && dt <= kLongStep;
   RelativePosition step;
   if (given) {
     step.by_motion = motionByOdometry(*given, graph.mounting(),
@@ -151,11 +150,25 @@ RelativePosition KeyframeSelection::stepBy(const ViewMotion& seen, bool is_spars
     step.T = step.by_motion.T;
     return step;
   }
-  step.by_motion = is_seen ? seen.T_a_b : graph.guessedStep();
-  step.T = seen.T_a_b.T;
+  if (is_seen) {
+    step.by_motion = seen.T_a_b;
+  } else {
+    step.by_motion = graph.guessedStep();
+    step.by_motion.T = velocity_.next(dt, graph.mounting()).T;
+  }
+  step.T = step.by_motion.T;
   step.known = !seen.broken;
   step.guessed = !is_seen;
   return step;
+}
+
+// The velocity since the image before, if that motion is certain. That image may have become the keyframe.
+void KeyframeSelection::learnVelocity(const SharedView& before, const Eigen::Isometry3d& T_k_before,
+                                      double dt, const TrajectoryGraph& graph) {
+  if (!before || !since_.known || (since_.guessed && !(since_.placed && since_.others.empty())))
+    return velocity_.interrupt();
+  const bool is_keyframe = before == graph[current_].view;
+  velocity_.add(is_keyframe ? since_.T : T_k_before.inverse() * since_.T, dt);
 }
 
 // Moves on to an image whose motion is in doubt. If it cannot be compared with the keyframe, the image before
@@ -181,16 +194,20 @@ RelativePosition KeyframeSelection::place(const View& view, const RelativePositi
   if (thought.known) prior.T = thought.T;
   if (thought.known && !thought.guessed) prior.P = withSharedErrors(thought.by_motion.P);
   RelativePosition out = thought;
-  out.placed = registered(placing_, view, *graph[current_].view, prior, true);
+  const View& keyframe = *graph[current_].view;
+  if (thought.known && !thought.guessed) {
+    out.placed = registered(placing_, view, keyframe, prior, true);
+  } else if (const auto found = comparisons(placing_.modes(view, keyframe, prior)); !found.empty()) {
+    out.placed = found.front();
+    for (std::size_t i = 1; i < found.size(); ++i)
+      out.others.push_back({measured(found[i]), found[i].log_likelihood - found.front().log_likelihood});
+  }
   out.follows = out.placed && thought.known && kSameMotion.joins(out.placed->T_a_b, thought.T);
   if (!out.placed) return out;
   const PoseWithCovariance seen = measured(*out.placed);
   out.T = seen.T;
   out.known = true;
-  if (out.guessed) {
-    out.others = alternatives(placing_.modes(view, *graph[current_].view, prior), seen.T);
-    return out;
-  }
+  if (out.guessed) return out;
   const PoseWithCovariance by_motion{out.by_motion.T, withSharedErrors(out.by_motion.P)};
   if (squaredMahalanobis(seen, by_motion) > kFarEllipsoid)
     out.by_motion = {seen.T, graph.guessedStep().P};
@@ -209,6 +226,7 @@ void KeyframeSelection::addImage(double stamp, const Eigen::Isometry3d& T_k_c, c
 bool KeyframeSelection::beginAgain(const SharedView& view, double stamp, TrajectoryGraph& graph) {
   odometry_.reset();
   odometry_.add(*view, 0);
+  velocity_.interrupt();
   addImage(stamp, Eigen::Isometry3d::Identity(), graph);
   latest_ = view;
   RelativePosition nowhere;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "motion/step_prior.h"
 #include "motion/view_odometry.h"
 #include "trajectory/camera_speed.h"
 #include "trajectory/trajectory_graph.h"
@@ -34,8 +35,10 @@ public:
   const RelativePosition& position() const { return since_; }
 
 private:
-  RelativePosition stepBy(const ViewMotion& seen, bool is_sparse,
-                          const std::optional<Eigen::Isometry3d>& given, const TrajectoryGraph& graph) const;
+  RelativePosition stepBy(const ViewMotion& seen, double dt, const std::optional<Eigen::Isometry3d>& given,
+                          const TrajectoryGraph& graph) const;
+  void learnVelocity(const SharedView& before, const Eigen::Isometry3d& T_k_before, double dt,
+                     const TrajectoryGraph& graph);
   RelativePosition place(const View& view, const RelativePosition& thought,
                          const TrajectoryGraph& graph) const;
   void compareWithKeyframe(const SharedView& view, const RelativePosition& step, TrajectoryGraph& graph);
@@ -49,6 +52,7 @@ private:
   ViewOdometry odometry_;
   ViewPlacing placing_;
   CameraSpeed speed_;
+  VelocityPrior velocity_;
   bool endless_ = false, interrupted_ = false;
   int run_ = 0;
   std::vector<Image> images_;

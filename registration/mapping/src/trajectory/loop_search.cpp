@@ -23,7 +23,7 @@ constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
 constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
 constexpr double kUncertainStd = 1,
                  kUncertainRotation = 10 * kDegree;  // beyond which several rooms may fit [m]
-constexpr double kSigmas = 3;                // of an uncertain relative pose within which two may be near
+constexpr double kSigmas = 3;                        // an uncertain pose may be that far off
 constexpr int kMostUncertain = 15;           // earlier keyframes that one is compared with far from certainty
 constexpr int kLocal = 20;                   // keyframes in a row between which no loop is closed
 constexpr double kSearchStd = 0.1;           // beyond which other places within a prior are searched [m]
@@ -105,7 +105,7 @@ struct LoopSearch::Pair {
 };
 
 // The nearest earlier keyframes, and those that may be as near by an uncertain trajectory: by their distance
-// or, where many are, by what they show.
+// or, where many are, by the overlay of their planes.
 std::vector<LoopSearch::Pair> LoopSearch::pairsOf(int b, const GraphCovariance& known,
                                                   const SimilarViews& views) const {
   const ViewReach reach{kReach, kReachAngle};

@@ -44,7 +44,7 @@ struct Keyframe {
 /** \brief Another motion between two keyframes that their images leave open. */
 struct AlternativeMotion {
   PoseWithCovariance T_from_to;
-  double log_odds = 0;  ///< of it against the likeliest motion, at most 0
+  double log_odds = 0;  ///< against the likeliest motion, at most 0
 };
 
 /** \brief A motion between two keyframes by the images or by an odometry. */
