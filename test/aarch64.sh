@@ -64,8 +64,8 @@ cmake -S "$root" -B "$build" -G Ninja --toolchain "$root/cmake/aarch64.cmake" "-
       "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache)" >/dev/null
 cmake --build "$build" --target "${modules[@]/#/test_}"
 cmake --build "$native" --target test_localization
-# Left out: suites of long drives and of many images, a minute or more for most of their tests, as qemu takes 25 times as long.
-slow='^(FilmOf|KnownGravity|MapInParts|PlaceIndexOfRooms|RealImages|Sequence|SureCalibration)'
+# Left out: long drives, many images and a fine rendering, a minute or more for most of these tests, as qemu takes 25 times as long.
+slow='^(FilmOf|KnownGravity|LensCorrection.Gives|MapInParts|PlaceIndexOfRooms|RealImages|Sequence|SureCalibration)'
 ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" --label-regex "^($(IFS='|'; echo "${modules[*]}"))\$" --exclude-regex "$slow"
 
 comparison=(--gtest_filter=MapInParts.AnswersAreRecorded* --gtest_brief=1)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/lanes.h"
 #include "shortlist/place_descriptor.h"
 
 #include <facetloc/testing/synthetic_views.h>
@@ -75,7 +76,7 @@ TEST(WallColumns, UnseenEndsAreInfinite) {
   w.offset = 3, w.right = -1, w.left = 2, w.bottom = 0.5f, w.top = 1.5f, w.weight = 0.8f;
   w.left_end = w.top_end = true;
   const WallColumns columns({w, w, w});
-  EXPECT_EQ(columns.size() % 8, 0u);
+  EXPECT_EQ(columns.size() % kLanes, 0u);
   EXPECT_GE(columns.size(), 3u);
   EXPECT_EQ(columns.offset[2], 3);
   EXPECT_EQ(columns.weight[2], 0.8f);
@@ -84,7 +85,7 @@ TEST(WallColumns, UnseenEndsAreInfinite) {
   EXPECT_EQ(columns.seen_top[2], 1.5f);
   EXPECT_TRUE(std::isnan(columns.seen_right[2]));
   EXPECT_TRUE(std::isnan(columns.seen_bottom[2]));
-  ASSERT_GE(columns.offset.size(), columns.size() + 8);  // a whole vector from any wall on
+  ASSERT_GE(columns.offset.size(), columns.size() + kLanes);  // a whole vector from any wall on
   EXPECT_TRUE(std::isnan(columns.offset[3]));
   EXPECT_TRUE(std::isnan(columns.offset.back()));
 }

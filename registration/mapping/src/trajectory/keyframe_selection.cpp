@@ -87,6 +87,11 @@ std::vector<PlacedView> comparisons(std::vector<PlacedView> modes) {
   return modes;
 }
 
+// True if an image has been guessed near a keyframe, and both together leave it free to be farther away.
+bool mayBeElsewhere(const RelativePosition& at, double distance) {
+  return at.guessed && at.placed && largestTranslationStd(measured(*at.placed).P) > distance;
+}
+
 RelativePosition moved(const RelativePosition& from, const RelativePosition& step) {
   RelativePosition out;
   out.by_motion = from.by_motion * step.by_motion;
@@ -129,8 +134,8 @@ bool KeyframeSelection::add(const SharedView& view, double stamp,
   addImage(stamp, since_.T, graph);
   const double distance = is_sparse ? kSparse : params_.odometry.key_distance,
                turn_deg = is_sparse ? kSparseTurnDeg : params_.odometry.key_rotation_deg;
-  if (!shows_anything ||
-      (since_.known && isNear(since_.T, Eigen::Isometry3d::Identity(), distance, turn_deg)))
+  if (!shows_anything || (since_.known && !mayBeElsewhere(since_, params_.odometry.key_distance) &&
+                          isNear(since_.T, Eigen::Isometry3d::Identity(), distance, turn_deg)))
     return false;
   if (!since_.placed) since_ = place(*view, since_, graph);
   return attach(view, since_, graph);
