@@ -53,8 +53,6 @@ public:
 
   /** \brief False if no two planes of the scene are far enough from parallel. */
   bool isUseful() const { return !seeds_.empty(); }
-  /** \brief True if three planes of the scene fix a pose. */
-  bool spansSpace() const { return isUseful() && seeds_.front().size == 3; }
   Overlay on(const PlaneColumns& model) const;
 
 private:

@@ -3,6 +3,7 @@
 
 #include "graph/loop_consistency.h"
 #include "poses/pose_fusion.h"
+#include "trajectory/tie_search.h"
 
 #include <facetloc/registration/pose_prior.h>
 
@@ -23,7 +24,6 @@ constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
 constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
 constexpr double kUncertainStd = 1,
                  kUncertainRotation = 10 * kDegree;  // beyond which several rooms may fit [m]
-constexpr double kSigmas = 3;                        // an uncertain pose may be that far off
 constexpr int kMostUncertain = 15;           // earlier keyframes that one is compared with far from certainty
 constexpr int kLocal = 20;                   // keyframes in a row between which no loop is closed
 constexpr double kSearchStd = 0.1;           // beyond which other places within a prior are searched [m]
@@ -93,40 +93,27 @@ PieceBonds bondsOf(const TrajectoryGraph& graph, int threads) {
 
 /** An earlier keyframe that one is compared with. */
 struct LoopSearch::Pair {
-  enum class Known {
-    well,     // to the views' own overlap
-    roughly,  // to a room
-    hardly    // a camera that may be anywhere along its way
-  };
   int a;
   PoseWithCovariance T_a_b;
-  Known known;
+  bool certain;
   std::optional<PlacedView> placed;
 };
 
-// The nearest earlier keyframes, and those that may be as near by an uncertain trajectory: by their distance
-// or, where many are, by the overlay of their planes.
-std::vector<LoopSearch::Pair> LoopSearch::pairsOf(int b, const GraphCovariance& known,
-                                                  const SimilarViews& views) const {
+// The nearest earlier keyframes, and those that may be as near by an uncertain trajectory.
+std::vector<LoopSearch::Pair> LoopSearch::pairsOf(int b, const GraphCovariance& known) const {
   const ViewReach reach{kReach, kReachAngle};
   const auto T_b = known.relativeTo(b);
   std::vector<std::pair<double, Pair>> certain, uncertain;
-  std::vector<int> anywhere;
   for (int a = 0; a < b; ++a) {
     if (!T_b[a]) continue;
     const PoseWithCovariance T = inverse(*T_b[a]);
-    const double std = largestTranslationStd(T.P), rotation_std = largestRotationStd(T.P);
+    const double std = largestTranslationStd(T.P);
     if (isTrusted(T.P)) {
       const double distance = viewDistance(Eigen::Isometry3d::Identity(), T.T, reach);
-      if (std::isfinite(distance)) certain.push_back({distance, {a, T, Pair::Known::well, {}}});
-    } else if (b - a > kLocal) {
+      if (std::isfinite(distance)) certain.push_back({distance, {a, T, true, {}}});
+    } else if (b - a > kLocal && std <= kUncertainStd && largestRotationStd(T.P) <= kUncertainRotation) {
       const double beyond = std::max(0.0, T.T.translation().norm() - kReach) / std;
-      if (beyond >= kSigmas) continue;
-      if (std <= kUncertainStd && rotation_std <= kUncertainRotation)
-        uncertain.push_back({beyond, {a, T, Pair::Known::roughly, {}}});
-      else if (views.spansSpace(a) && views.spansSpace(b) &&
-               Eigen::AngleAxisd(T.T.linear()).angle() <= kReachAngle + kSigmas * rotation_std)
-        anywhere.push_back(a);
+      if (beyond < 3) uncertain.push_back({beyond, {a, T, false, {}}});
     }
   }
   std::vector<Pair> out;
@@ -137,21 +124,17 @@ std::vector<LoopSearch::Pair> LoopSearch::pairsOf(int b, const GraphCovariance& 
   };
   takeNearest(certain, kNeighbours);
   takeNearest(uncertain, kMostUncertain);
-  for (const int a : views.mostSimilar(b, anywhere))
-    out.push_back({a, inverse(*T_b[a]), Pair::Known::hardly, {}});
   return out;
 }
 
 void LoopSearch::compare(int b, const Comparisons& compared, const TrajectoryGraph& graph, Pair& pair) const {
-  const bool is_known = pair.known == Pair::Known::well;
   const auto before = compared.find({pair.a, b});
-  if (before != compared.end() &&
-      (is_known ? kSamePrior.joins(before->second.prior, pair.T_a_b.T) : before->second.anywhere))
+  if (before != compared.end() && kSamePrior.joins(before->second.prior, pair.T_a_b.T))
     pair.placed = before->second.placed;
   else
     pair.placed = registered(placing_, *graph[b].view, *graph[pair.a].view,
-                             is_known ? pair.T_a_b : anywhere(graph.mounting()),
-                             !is_known || largestTranslationStd(pair.T_a_b.P) > kSearchStd);
+                             pair.certain ? pair.T_a_b : anywhere(graph.mounting()),
+                             !pair.certain || largestTranslationStd(pair.T_a_b.P) > kSearchStd);
 }
 
 std::vector<KeyframeMotion> LoopSearch::withinParts(const TrajectoryGraph& graph,
@@ -162,32 +145,29 @@ std::vector<KeyframeMotion> LoopSearch::withinParts(const TrajectoryGraph& graph
   for (int b = 0; b < n; ++b)
     if (graph[b].at.placed)
       compared->try_emplace({graph[b].before, b}, Comparison{graph[b].at.T, false, graph[b].at.placed});
-  const SimilarViews views(graph.nodes(), anywhere({}));
   std::vector<std::vector<Pair>> pairs(n);
   work.forEach(n - first, [&](int i) {
-    pairs[first + i] = pairsOf(first + i, known, views);
+    pairs[first + i] = pairsOf(first + i, known);
     for (Pair& pair : pairs[first + i]) compare(first + i, *compared, graph, pair);
   });
 
   std::vector<KeyframeMotion> out;
-  std::vector<PoseEdge> roughly_known, hardly_known;
+  std::vector<PoseEdge> uncertain;
   for (int b = first; b < n; ++b)
     for (const Pair& p : pairs[b]) {
-      const bool is_known = p.known == Pair::Known::well;
-      (*compared)[{p.a, b}] = {p.T_a_b.T, !is_known, p.placed};
+      (*compared)[{p.a, b}] = {p.T_a_b.T, !p.certain, p.placed};
       if (!p.placed) continue;
       const PoseWithCovariance T = measured(*p.placed);
       if (squaredMahalanobis(p.T_a_b, T) > kFarEllipsoid) continue;
-      if (is_known)
+      if (p.certain)
         out.push_back({p.a, b, T, b - p.a > kLocal ? Source::loop : Source::overlap});
       else if (isClear(*p.placed))
-        (p.known == Pair::Known::roughly ? roughly_known : hardly_known).push_back({p.a, b, T, true});
+        uncertain.push_back({p.a, b, T, true});
     }
   compared_ = compared;
-  for (const auto& loops :
-       {confirmed(roughly_known, known, kConsistentLoops, keyframesApart(graph, params_.odometry)),
-        confirmed(hardly_known, known, kIndependentTies, viewsApart(graph))})
-    out.insert(out.end(), loops.begin(), loops.end());
+  const std::vector<KeyframeMotion> loops =
+      confirmed(uncertain, known, kConsistentLoops, keyframesApart(graph, params_.odometry));
+  out.insert(out.end(), loops.begin(), loops.end());
   return out;
 }
 

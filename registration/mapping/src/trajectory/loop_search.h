@@ -2,7 +2,9 @@
 #pragma once
 
 #include "graph/graph_covariance.h"
-#include "trajectory/tie_search.h"
+#include "trajectory/camera_speed.h"
+#include "trajectory/chunked_work.h"
+#include "trajectory/trajectory_graph.h"
 
 #include <facetloc/mapping/trajectory_estimation.h>
 
@@ -35,7 +37,7 @@ private:
   struct Pair;
   using Comparisons = std::map<std::pair<int, int>, Comparison>;
 
-  std::vector<Pair> pairsOf(int b, const GraphCovariance& known, const SimilarViews& views) const;
+  std::vector<Pair> pairsOf(int b, const GraphCovariance& known) const;
   void compare(int b, const Comparisons& compared, const TrajectoryGraph& graph, Pair& pair) const;
   void compareTies(const std::vector<std::pair<int, int>>& pairs, const TrajectoryGraph& graph,
                    const ChunkedWork& work);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/tie_search.h"
 
+#include "shortlist/plane_triplet_matcher.h"
+
 #include <facetloc/localization/place_index.h>
 
 #include <algorithm>
@@ -54,21 +56,14 @@ private:
   std::optional<PlaceIndex> index_;
 };
 
-}  // namespace
-
-SimilarViews::SimilarViews(const std::vector<TrajectoryNode>& keyframes, const PoseWithCovariance& prior) {
-  for (const TrajectoryNode& k : keyframes) {
-    matchers_.emplace_back(*k.view, prior);
-    planes_.emplace_back(*k.view);
-  }
-}
-
-std::vector<int> SimilarViews::mostSimilar(int keyframe, const std::vector<int>& among) const {
-  const PlaneTripletMatcher& overlay = matchers_[keyframe];
+std::vector<int> mostSimilar(const std::vector<TrajectoryNode>& keyframes,
+                             const std::vector<PlaneColumns>& planes, const EarlierKeyframes& earlier, int b,
+                             const PoseWithCovariance& prior) {
+  const PlaneTripletMatcher overlay(*keyframes[b].view, prior);
   if (!overlay.isUseful()) return {};
   std::vector<std::pair<float, int>> similar;
-  for (const int a : among) {
-    const Overlay laid = overlay.on(planes_[a]);
+  for (const int a : earlier.of(b)) {
+    const Overlay laid = overlay.on(planes[a]);
     if (laid.exists()) similar.emplace_back(-laid.score, a);
   }
   std::sort(similar.begin(), similar.end());
@@ -78,6 +73,8 @@ std::vector<int> SimilarViews::mostSimilar(int keyframe, const std::vector<int>&
   return best;
 }
 
+}  // namespace
+
 std::vector<std::pair<int, int>> tieCandidates(const std::vector<TrajectoryNode>& keyframes, int first,
                                                const TieSearch& search) {
   const int n = static_cast<int>(keyframes.size());
@@ -86,13 +83,14 @@ std::vector<std::pair<int, int>> tieCandidates(const std::vector<TrajectoryNode>
                   [part](const TrajectoryNode& k) { return k.part == part; }))
     return {};
   if (search.work.progress) search.work.progress(0);
-  const SimilarViews views(keyframes, search.prior);
+  std::vector<PlaneColumns> planes;
+  for (const TrajectoryNode& k : keyframes) planes.emplace_back(*k.view);
   const EarlierKeyframes earlier(keyframes, first, search);
   std::vector<std::vector<int>> partners(n - first);
   const auto findPartners = [&](int i) {
     std::vector<int>& of_b = partners[i];
     const int b = first + i;
-    of_b = views.mostSimilar(b, earlier.of(b));
+    of_b = mostSimilar(keyframes, planes, earlier, b, search.prior);
     for (int a = std::max(0, b - kClose); a < b; ++a)
       if (keyframes[a].part != keyframes[b].part) of_b.push_back(a);
     std::sort(of_b.begin(), of_b.end());

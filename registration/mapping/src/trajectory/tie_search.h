@@ -2,7 +2,6 @@
 #pragma once
 
 #include "graph/graph_covariance.h"
-#include "shortlist/plane_triplet_matcher.h"
 #include "trajectory/camera_speed.h"
 #include "trajectory/chunked_work.h"
 #include "trajectory/trajectory_graph.h"
@@ -22,24 +21,8 @@ struct TieSearch {
   long long exhaustive_up_to = 20'000'000;
 };
 
-/** \brief Finds keyframes that may show the same place by how well their planes overlay each other
- * (localization/METHOD 2.7). Never changes; thread-safe. */
-class SimilarViews {
-public:
-  /** \param prior relative pose of two views, about the identity */
-  SimilarViews(const std::vector<TrajectoryNode>& keyframes, const PoseWithCovariance& prior);
-  /** \brief True if the planes of a keyframe fix a pose. */
-  bool spansSpace(int keyframe) const { return matchers_[keyframe].spansSpace(); }
-  /** \brief The 15 keyframes that overlay a keyframe best, the best first. */
-  std::vector<int> mostSimilar(int keyframe, const std::vector<int>& among) const;
-
-private:
-  std::vector<PlaneTripletMatcher> matchers_;
-  std::vector<PlaneColumns> planes_;
-};
-
 /** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for
- * each keyframe the earlier ones that SimilarViews finds. Of many keyframes with
+ * each keyframe the earlier ones whose planes overlay best (localization/METHOD 2.7). Of many keyframes with
  * a known mounting, only the most similar ones by a PlaceIndex are overlaid.
  *
  * \param first number of the first keyframe that pairs are formed with */
