@@ -62,6 +62,36 @@ TEST(GraphCovariance, TwoMotionsHaveTwiceTheInformation) {
   EXPECT_THAT(P, MatrixNear(0.5 * of_one, 1e-5 * of_one.norm()));
 }
 
+/** Second moment about 0 of a position with two modes and an optional Gaussian, summed over a grid. */
+double summedMoment(double apart, double std, double log_odds, double other_std) {
+  double sum = 0, moment = 0;
+  for (double x = -3; x <= 3; x += 1e-3) {
+    const auto gauss = [x](double at, double s) { return std::exp(-0.5 * (x - at) * (x - at) / (s * s)); };
+    const double p = (gauss(0, std) + std::exp(log_odds) * gauss(apart, std)) * gauss(0, other_std);
+    sum += p, moment += p * x * x;
+  }
+  return moment / sum;
+}
+
+TEST(GraphCovariance, AlternativesAreContainedByTheirOddsInTheGraph) {
+  PoseWithCovariance here, next_door;
+  here.P = next_door.P = 0.01 * Matrix6d::Identity();
+  next_door.T.translation().x() = 0.6;
+  PoseGraph graph;
+  graph.T_w_n.assign(2, Eigen::Isometry3d::Identity());
+  graph.edges.push_back({0, 1, here, false, {{next_door, -1}}});
+  const double alone = GraphCovariance(graph).between(0, 1)->P(3, 3);
+  EXPECT_NEAR(alone, summedMoment(0.6, 0.1, -1, 100), 0.01 * alone);
+  for (const double std : {0.6, 0.3, 0.1}) {
+    PoseWithCovariance other = here;
+    other.P = std * std * Matrix6d::Identity();
+    graph.edges.resize(1);
+    graph.edges.push_back({0, 1, other});
+    const double expected = summedMoment(0.6, 0.1, -1, std);
+    EXPECT_NEAR(GraphCovariance(graph).between(0, 1)->P(3, 3), expected, 0.15 * expected) << std;
+  }
+}
+
 TEST(GraphCovariance, OtherPartsAreNowhere) {
   PoseGraph graph = chain();
   graph.edges.erase(graph.edges.begin() + 1);

@@ -4,6 +4,9 @@
 #include "graph/pose_problem.h"
 #include "threads/in_parallel.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace facetloc::internal {
 namespace {
 
@@ -11,11 +14,56 @@ namespace {
 // 1 / m^2].
 constexpr double kHeld = 1e12, kLeast = 1e-8;
 
+bool isOpen(const PoseEdge& edge) { return !edge.others.empty(); }
+
+/** An edge of the mode that fits the poses best. */
+PoseEdge chosen(const PoseEdge& edge, const Eigen::Isometry3d& T_from_to) {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k <= edge.others.size(); ++k)
+    if (edge.mismatch(k, T_from_to) < edge.mismatch(best, T_from_to)) best = k;
+  return {edge.from, edge.to, edge.mode(best), edge.may_be_wrong};
+}
+
+/** Log odds of the modes of an edge in view of all other edges, which are the difference between what the
+ * solution knows and the mode that it contains (METHOD 1.3). */
+std::vector<double> oddsInGraph(const PoseEdge& edge, const PoseEdge& contained,
+                                const PoseWithCovariance& known) {
+  const Matrix6d W = contained.T_from_to.P.inverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> others(known.P.inverse() - W);
+  const Matrix6d I = others.eigenvectors() * others.eigenvalues().cwiseMax(0).asDiagonal() *
+                     others.eigenvectors().transpose();
+  const Vector6d balance = W * boxminus(known.T, contained.T_from_to.T);
+  std::vector<double> odds = oddsOf(edge);
+  for (std::size_t k = 0; k < odds.size(); ++k) {
+    const Matrix6d W_k = edge.mode(k).P.inverse();
+    const Vector6d apart = boxminus(edge.mode(k).T, known.T), pull = balance + W_k * apart;
+    const Eigen::LLT<Matrix6d> both(I + W_k);
+    odds[k] += 0.5 * (pull.dot(both.solve(pull)) - apart.dot(W_k * apart)) +
+               0.5 * std::log(W_k.determinant() / (I + W_k).determinant());
+  }
+  return odds;
+}
+
+/** The graph with each edge of several modes as one Gaussian, of all of them by their odds in the graph. */
+PoseGraph settled(PoseGraph graph, int threads) {
+  if (std::none_of(graph.edges.begin(), graph.edges.end(), isOpen)) return graph;
+  PoseGraph as_solved = graph;
+  for (PoseEdge& e : as_solved.edges) e = chosen(e, graph.T_w_n[e.from].inverse() * graph.T_w_n[e.to]);
+  const GraphCovariance solved(as_solved, threads);
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    PoseEdge& e = graph.edges[i];
+    if (!isOpen(e)) continue;
+    const PoseWithCovariance known = *solved.between(e.from, e.to);
+    e = spanned(e, known.T, oddsInGraph(e, as_solved.edges[i], known));
+  }
+  return graph;
+}
+
 }  // namespace
 
 GraphCovariance::GraphCovariance(const PoseGraph& graph, int threads)
     : T_w_n_(graph.T_w_n), part_(partsOf(graph)), threads_(threads), holds_first_(!graph.floor) {
-  const Eigen::SparseMatrix<double> J = PoseProblem(graph, part_).jacobian();
+  const Eigen::SparseMatrix<double> J = PoseProblem(settled(graph, threads), part_).jacobian();
   Eigen::SparseMatrix<double> normal = Eigen::SparseMatrix<double>(J.transpose()) * J;
   Eigen::SparseMatrix<double> least(normal.rows(), normal.cols());
   least.setIdentity();

@@ -21,26 +21,12 @@ void check(const PoseGraph& graph) {
           fmt::format("pose graph: an edge joins {} and {} of {} nodes", e.from, e.to, n));
 }
 
-/** One Gaussian about the likeliest motion that contains all alternatives of an edge. */
-PoseEdge spanned(const PoseEdge& edge) {
-  PoseEdge out{edge.from, edge.to, edge.T_from_to, edge.may_be_wrong};
-  double sum = 1;
-  for (const AlternativeMotion& other : edge.others) {
-    const double weight = std::exp(other.log_odds);
-    const Vector6d apart = boxminus(other.T_from_to.T, edge.T_from_to.T);
-    out.T_from_to.P += weight * (other.T_from_to.P + apart * apart.transpose());
-    sum += weight;
-  }
-  out.T_from_to.P /= sum;
-  return out;
-}
-
 /** Poses between all alternatives, from where the likeliest in view of all edges is near. */
 std::vector<Eigen::Isometry3d> startOf(const PoseGraph& graph, const std::vector<int>& part) {
   const auto isOpen = [](const PoseEdge& e) { return !e.others.empty(); };
   if (std::none_of(graph.edges.begin(), graph.edges.end(), isOpen)) return graph.T_w_n;
   PoseGraph all = graph;
-  for (PoseEdge& e : all.edges) e = spanned(e);
+  for (PoseEdge& e : all.edges) e = spanned(e, e.T_from_to.T, oddsOf(e));
   PoseProblem problem(all, part);
   problem.solve();
   for (std::size_t i = 0; i < all.T_w_n.size(); ++i) all.T_w_n[i] = problem.pose(i);
@@ -67,10 +53,30 @@ std::vector<int> partsOf(const PoseGraph& graph) {
 
 double mismatchOf(const PoseEdge& edge, const std::vector<PoseWithCovariance>& nodes) {
   const Eigen::Isometry3d T_from_to = nodes[edge.from].T.inverse() * nodes[edge.to].T;
-  double least = squaredMahalanobis(edge.T_from_to, T_from_to);
-  for (const AlternativeMotion& other : edge.others)
-    least = std::min(least, squaredMahalanobis(other.T_from_to, T_from_to) - 2 * other.log_odds);
+  double least = edge.mismatch(0, T_from_to);
+  for (std::size_t k = 1; k <= edge.others.size(); ++k) least = std::min(least, edge.mismatch(k, T_from_to));
   return least;
+}
+
+std::vector<double> oddsOf(const PoseEdge& edge) {
+  std::vector<double> out{0};
+  for (const AlternativeMotion& other : edge.others) out.push_back(other.log_odds);
+  return out;
+}
+
+PoseEdge spanned(const PoseEdge& edge, const Eigen::Isometry3d& about, const std::vector<double>& log_odds) {
+  PoseEdge out{edge.from, edge.to, {about, Matrix6d::Zero()}, edge.may_be_wrong};
+  const double most = *std::max_element(log_odds.begin(), log_odds.end());
+  double sum = 0;
+  for (std::size_t k = 0; k < log_odds.size(); ++k) {
+    const PoseWithCovariance& mode = edge.mode(k);
+    const Vector6d apart = boxminus(mode.T, about);
+    const double weight = std::exp(log_odds[k] - most);
+    out.T_from_to.P += weight * (mode.P + apart * apart.transpose());
+    sum += weight;
+  }
+  out.T_from_to.P /= sum;
+  return out;
 }
 
 GraphPoses optimized(const PoseGraph& graph, bool with_covariances) {

@@ -14,6 +14,13 @@ struct PoseEdge {
   PoseWithCovariance T_from_to;  ///< positive definite
   bool may_be_wrong = false;     ///< a closed loop: has little weight if it contradicts all other edges
   std::vector<AlternativeMotion> others{};  ///< one of them may be chosen instead (max-mixture)
+
+  /** \brief The motion, k = 0, or one of the others. */
+  const PoseWithCovariance& mode(std::size_t k) const { return k == 0 ? T_from_to : others[k - 1].T_from_to; }
+  /** \brief Squared Mahalanobis distance of a motion from a mode, less twice the log odds of the mode. */
+  double mismatch(std::size_t k, const Eigen::Isometry3d& of_motion) const {
+    return squaredMahalanobis(mode(k), of_motion) - (k == 0 ? 0 : 2 * others[k - 1].log_odds);
+  }
 };
 
 /** \brief A level floor, z = 0, that robots with cameras stand on. */
@@ -47,6 +54,13 @@ std::vector<int> partsOf(const PoseGraph& graph);
 /** \brief Squared Mahalanobis distance of an edge from the poses of its nodes; of alternatives, the least one
  * less twice their log odds. */
 double mismatchOf(const PoseEdge& edge, const std::vector<PoseWithCovariance>& nodes);
+
+/** \brief Log odds of the motion, which are 0, and of its alternatives. */
+std::vector<double> oddsOf(const PoseEdge& edge);
+
+/** \brief An edge of one Gaussian about a motion, with the second moments of all modes of an edge.
+ * \param log_odds as of oddsOf() */
+PoseEdge spanned(const PoseEdge& edge, const Eigen::Isometry3d& about, const std::vector<double>& log_odds);
 
 /** \brief Least squares over the edges' covariances by Ceres Solver (Agarwal, Mierle et al.), METHOD 1.3.
  *
