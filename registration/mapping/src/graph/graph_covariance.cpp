@@ -24,8 +24,8 @@ PoseEdge chosen(const PoseEdge& edge, const Eigen::Isometry3d& T_from_to) {
   return {edge.from, edge.to, edge.mode(best), edge.may_be_wrong};
 }
 
-/** Log odds of the modes of an edge in view of all other edges, which are the difference between what the
- * solution knows and the mode that it contains (METHOD 1.3). */
+/** Log odds of the modes of an edge in view of all other edges, whose information is the known pose's less
+ * the contained mode's (METHOD 1.3). */
 std::vector<double> oddsInGraph(const PoseEdge& edge, const PoseEdge& contained,
                                 const PoseWithCovariance& known) {
   const Matrix6d W = contained.T_from_to.P.inverse();
