@@ -55,6 +55,13 @@ std::string Map::partOf(int i) const {
   return part < parts.size() ? parts[part] : std::string();
 }
 
+const JoinedMap* Map::joinedMap(int part) const {
+  const JoinedMap* found = nullptr;
+  for (const JoinedMap& one : joined)
+    if (!found || one.first_part <= part) found = &one;
+  return found;
+}
+
 Camera Map::calibrated(Camera of_images) const {
   const bool fits =
       !of_images.intrinsics.valid() || !camera.distortion || camera.distortion->fits(of_images.intrinsics);

@@ -4,6 +4,7 @@
 #include "opened_map.h"
 #include "ranking/global_localization.h"
 
+#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/mapping/map_builder.h>
@@ -27,7 +28,7 @@ using namespace internal;
 
 namespace {
 
-using testing::ElementsAre;
+using test::PoseNear, testing::ElementsAre;
 
 struct Seen {
   View view;
@@ -190,6 +191,59 @@ TEST_F(MapInParts, ACameraIsFollowedInItsPart) {
     EXPECT_EQ(parts->models[pose.hypotheses.front().model].part, 0);
   }
   EXPECT_GT(followed, static_cast<int>(drive_on.size()) / 2);
+}
+
+TEST_F(MapInParts, EachOfSeveralMapsKeepsItsFrame) {
+  const auto half = [](std::size_t first) {  // whose world is 100 m off
+    auto out = std::make_shared<Map>(*map);
+    out->links.clear(), out->models.clear();
+    for (std::size_t i = first; i < first + kModels / 2; ++i) {
+      out->models.push_back(map->models[i]);
+      out->models.back().T_w_m->pretranslate(Eigen::Vector3d(100, 0, 0));
+    }
+    return out;
+  };
+  const auto both =
+      std::make_shared<const Map>(joinMaps({{"first half", half(0)}, {"second half", half(kModels / 2)}}));
+  EXPECT_THAT(both->parts, ElementsAre("first half", "second half"));
+  const GlobalLocalization localizer(both), in_one(map);
+  int sure = 0, sure_in_one = 0;
+  for (const Seen& query : queries) {
+    const Localization answer = localizer.localize(query.view);
+    sure_in_one += in_one.localize(query.view).state == AnswerState::sure;
+    if (answer.state != AnswerState::sure) continue;
+    ++sure;
+    const Hypothesis& place = answer.hypotheses.front();
+    Eigen::Isometry3d truth = query.T_w_c;
+    truth.pretranslate(Eigen::Vector3d(100, 0, 0));
+    EXPECT_THAT(*place.T_w_c, PoseNear(truth, kCorrect, kCorrectDeg));
+    EXPECT_GE(probabilitiesOfMaps(answer, *both).at(both->partOf(place.model)), place.probability);
+  }
+  EXPECT_GE(sure, 0.8 * sure_in_one);
+}
+
+TEST_F(MapInParts, EqualMapsStayDoubtful) {
+  const auto both = std::make_shared<const Map>(joinMaps({{"ground", map}, {"first", map}}));
+  const GlobalLocalization localizer(both);
+  for (std::size_t i = 0; i < queries.size(); i += 3) {
+    const Localization answer = localizer.localize(queries[i].view);
+    EXPECT_NE(answer.state, AnswerState::sure);
+    const auto p = probabilitiesOfMaps(answer, *both);
+    EXPECT_NEAR(p.at("ground"), p.at("first"), 0.1);
+  }
+}
+
+TEST_F(MapInParts, MapsThatCannotBeJoinedAreNamed) {
+  EXPECT_THROW(joinMaps({}), std::invalid_argument);
+  EXPECT_THROW(joinMaps({{"a", map}, {"a", map}}), std::invalid_argument);
+  EXPECT_THROW(joinMaps({{"a/b", map}}), std::invalid_argument);
+  auto plan = std::make_shared<Map>(*map);
+  setSurfaces(MapSurfaces::fixed, *plan);
+  EXPECT_THROW(joinMaps({{"a", map}, {"b", plan}}), std::invalid_argument);
+  auto other = std::make_shared<Map>(*map);
+  other->camera.mounting->height += 0.5;
+  EXPECT_TRUE(joinMaps({{"a", map}, {"b", map}}).camera.mounting);
+  EXPECT_FALSE(joinMaps({{"a", map}, {"b", other}}).camera.mounting);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ arguments. Nothing holds the lock of the interpreter while it computes."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Iterator, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -88,6 +88,7 @@ class Answer:
     T_w_c: Optional[Array]  #: the most probable pose in the world
     covariance: Optional[Array]  #: of it
     findings: List[dict]  #: about the image's camera and the map, like Recording.findings(); empty if there are none
+    maps: Dict[str, float] = field(default_factory=dict)  #: probability of each of several maps (Map.joined())
 
     @property
     def sure(self) -> bool:
@@ -208,6 +209,11 @@ class Map:
     @classmethod
     def open(cls, path: str) -> Map:
         return cls(_facetloc.Map.open(str(path)))
+
+    @classmethod
+    def joined(cls, maps: Dict[str, Map]) -> Map:
+        """Several maps by their names, such as floors, as one: Localizer answers in which (Answer.maps, and the part of a place)."""
+        return cls(_facetloc.Map.joined({name: one._map for name, one in maps.items()}))
 
     def save(self, path: str) -> None:
         """Writes it as a whole beside path and renames it then."""

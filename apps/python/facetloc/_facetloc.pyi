@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import os
-from typing import List, Optional, Tuple, Union
+from typing import Dict, List, Optional, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -52,6 +52,8 @@ class Recording:
 class Map:
     @staticmethod
     def open(path: str) -> Map: ...
+    @staticmethod
+    def joined(maps: Dict[str, Map]) -> Map: ...
     def save(self, path: str) -> None: ...
     def __len__(self) -> int: ...
     def model(self, index: int) -> dict: ...

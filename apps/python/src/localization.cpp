@@ -3,6 +3,7 @@
 #include "inputs/recording_run.h"
 
 #include <facetloc/features/map_metadata.h>
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/localization/place_index.h>
@@ -44,6 +45,7 @@ py::dict toDict(const Localization& answer, const Map& map, const Camera& camera
   for (const Hypothesis& h : answer.hypotheses) hypotheses.append(python::toDict(h, &map));
   out["hypotheses"] = hypotheses;
   out["not_in_map"] = answer.not_in_map;
+  if (!map.joined.empty()) out["maps"] = probabilitiesOfMaps(answer, map);
   out["reason"] = answer.reason;
   out["findings"] = toList(differenceFindings(map.calibrated(camera), map));
   out["tracking"] = stateName(answer.tracking);
@@ -148,6 +150,14 @@ void addLocalization(py::module_& module) {
             writeMap(path, map, map.camera.mounting ? placeIndexOf(map) : nullptr);
           },
           py::arg("path"))
+      .def_static(
+          "joined",
+          [](const std::map<std::string, MapPtr>& maps) {
+            std::vector<JoinedMap> all;
+            for (const auto& [name, map] : maps) all.push_back({name, map});
+            return std::make_shared<Map>(joinMaps(std::move(all)));
+          },
+          py::arg("maps"))
       .def("__len__", [](const Map& map) { return map.models.size(); })
       .def("model", &modelOf, py::arg("index"))
       .def_property_readonly("links", &linksOf)

@@ -7,7 +7,9 @@
 #include "outputs/provenance.h"
 
 #include <facetloc/features/camera_presets.h>
+#include <facetloc/features/map_parts.h>
 #include <facetloc/io/depth_values.h>
+#include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
 #include <cmath>
@@ -94,6 +96,19 @@ Map noteUnfinished(Map map, const std::string& path, const Console& console) {
                               counted(map.models.size(), "local model")),
                   "facetloc_map build --resume goes on"});
   return map;
+}
+
+std::shared_ptr<const Map> openMaps(const std::vector<std::string>& paths, const Console& console) {
+  std::vector<JoinedMap> maps;
+  for (const std::string& path : paths)
+    maps.push_back({std::filesystem::path(path).stem().string(),
+                    std::make_shared<const Map>(noteUnfinished(openMap(path), path, console))});
+  if (maps.size() == 1) return maps.front().map;
+  try {
+    return std::make_shared<const Map>(joinMaps(std::move(maps)));
+  } catch (const std::invalid_argument& error) {
+    throw IoError(paths.back(), error.what());
+  }
 }
 
 void noteDifference(const Camera& of_images, const Map& map, const Console& console) {

@@ -42,6 +42,9 @@ View viewOf(const DepthSequence& sequence, std::size_t index, int working_width,
             const std::optional<Gravity>& gravity = {});
 
 /** \brief The map at that path, with a remark if its build has not ended. */
+/** \brief The map of a file or, named by their files, several maps as one (joinMaps()); unfinished ones are
+ * noted. Throws IoError. */
+std::shared_ptr<const Map> openMaps(const std::vector<std::string>& paths, const Console& console);
 Map noteUnfinished(Map map, const std::string& path, const Console& console);
 
 /** \brief Prints how the camera of the images differs from the map's. */

@@ -45,7 +45,8 @@ private:
     LiveRunOptions& run = run_;
     line.addOption("device", run.source.device, "DEVICE",
                    "Source of the depth images; the first camera unless given.");
-    line.addOption("map", run.map, "MAP.flmap", "Localize in this map.");
+    line.addOption("map", run.maps, "MAP.flmap",
+                   "Localize in this map; given several times, in all of them at once.");
     line.addOption("build", run.build, "MAP.flmap",
                    "Make this map while running. The file is valid at any time, complete at the end.");
     line.addOption("extend", run.extend, "MAP.flmap",
@@ -93,9 +94,9 @@ private:
   }
 
   void checkOptions() const {
-    if (!run_.map.empty() + !run_.build.empty() + !run_.extend.empty() > 1)
+    if (!run_.maps.empty() + !run_.build.empty() + !run_.extend.empty() > 1)
       throw UsageError("map, extend and build exclude each other");
-    const bool has_map = !run_.map.empty() || !run_.extend.empty();
+    const bool has_map = !run_.maps.empty() || !run_.extend.empty();
     if (streams_ && !has_map && run_.build.empty())
       throw UsageError("stream belongs to --map, --extend or --build: without a map there are no poses");
     if (!run_.odometry.empty() && !has_map && run_.build.empty())
@@ -123,8 +124,9 @@ private:
   }
 
   void playOrMap(LiveRunOptions options, const CommandLine& line, const Console& console) const {
-    for (std::string* path : {&options.map, &options.build, &options.extend, &options.remember,
-                              &options.results, &options.screenshots, &options.recording})
+    for (std::string& map : options.maps) makeAbsolute(map);
+    for (std::string* path : {&options.build, &options.extend, &options.remember, &options.results,
+                              &options.screenshots, &options.recording})
       makeAbsolute(*path);
     if (options.odometry != "-") makeAbsolute(options.odometry);
     if (options.odometry != "-" && !options.odometry.empty() && !fs::exists(options.odometry))
@@ -172,7 +174,7 @@ private:
     params.trajectory = algorithms_.mapping;
     params.view = input_.view;
     LiveRunOptions in_map = options;
-    in_map.map = options.extend;
+    in_map.maps = {options.extend};
     const OutputLock lock = OutputLock::ofFile(options.extend);
     takeUpSession(options.extend, params, threads(), console);
     play(in_map, line, console);

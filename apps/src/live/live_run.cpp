@@ -58,14 +58,20 @@ fs::path unused(const fs::path& file) {
   return name;
 }
 
+std::vector<std::string> fileNames(const std::vector<std::string>& paths) {
+  std::vector<std::string> names;
+  for (const std::string& path : paths) names.push_back(fs::path(path).filename().string());
+  return names;
+}
+
 /** Opens the source, again if it has to, and does on one thread all that is not done by the processing thread
  * of the session: window, screenshots, and whether it is time to end. */
 class LiveRun {
 public:
   LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console)
       : options_(options), algorithms_(std::move(algorithms)), console_(console), status_(console) {
-    if (!options_.map.empty()) {
-      map_ = std::make_shared<const Map>(noteUnfinished(openMap(options_.map), options_.map, console_));
+    if (!options_.maps.empty()) {
+      map_ = openMaps(options_.maps, console_);
       algorithms_.session.min_probability = minProbabilityOf(*map_);
     }
     if (algorithms_.min_probability) algorithms_.session.min_probability = *algorithms_.min_probability;
@@ -246,10 +252,11 @@ private:
       extension_ = std::make_unique<LiveExtension>(options_.extend, options.camera);
     options.odometry = odometry_;
     if (!options_.results.empty()) {
-      const std::string map = map_ ? fmt::format(", map {} of {}", fs::path(options_.map).filename().string(),
-                                                 counted(map_->models.size(), "local model"))
-                              : mapping_ ? ", which makes a map"
-                                         : ", without a map";
+      const std::string map =
+          map_       ? fmt::format(", map {} of {}", fmt::join(fileNames(options_.maps), " and "),
+                                   counted(map_->models.size(), "local model"))
+          : mapping_ ? ", which makes a map"
+                     : ", without a map";
       const std::string params_ini =
           fmt::format("# {}, live from {}{}\nmin-probability = {}\nwidth = {}\n", versionText(),
                       source_->name(), map, text::shortest(options.min_probability), options.width) +

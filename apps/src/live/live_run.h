@@ -17,16 +17,16 @@ namespace facetloc {
 /** \brief The options of a live run. */
 struct LiveRunOptions {
   LiveSourceOptions source;
-  std::string map;          ///< file; empty = segmentation only
-  std::string build;        ///< file of a map to be made; empty = none
-  std::string extend;       ///< the map itself, if it is to be brought up to date; empty = it stays
-  std::string remember;     ///< file of the last sure pose; empty = none
-  std::string results;      ///< folder; empty = none
-  std::string screenshots;  ///< folder; empty = none
-  std::string recording;    ///< file; empty = none
-  std::string odometry;     ///< file, "-" = standard input; empty = none
-  std::string near;         ///< where the camera begins (startPose()); empty = not known
-  int every = 30;           ///< processed frames per screenshot
+  std::vector<std::string> maps;  ///< files of one map or several; none = segmentation only
+  std::string build;              ///< file of a map to be made; empty = none
+  std::string extend;             ///< the map itself, if it is to be brought up to date; empty = it stays
+  std::string remember;           ///< file of the last sure pose; empty = none
+  std::string results;            ///< folder; empty = none
+  std::string screenshots;        ///< folder; empty = none
+  std::string recording;          ///< file; empty = none
+  std::string odometry;           ///< file, "-" = standard input; empty = none
+  std::string near;               ///< where the camera begins (startPose()); empty = not known
+  int every = 30;                 ///< processed frames per screenshot
   bool headless = false;
   bool wait = false;  ///< for a device that is not there, or has gone
   int max_frames = 0;

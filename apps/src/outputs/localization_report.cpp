@@ -4,6 +4,8 @@
 #include "base/median.h"
 #include "cli/text.h"
 
+#include <facetloc/localization/localizer.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
@@ -74,6 +76,7 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
     rows.back().state = answer.state;
     rows.back().not_in_map = answer.not_in_map;
   }
+  rows.front().maps = probabilitiesOfMaps(answer, map);
   std::string& reason = rows.front().reason;
   if (!reason.empty() && !answer.reason.empty()) reason += "; ";
   reason += answer.reason;

@@ -122,11 +122,12 @@ bool hasFailed(const FrameResult& result) { return result.timing.models == 0; }
 class LocalizeApp : public App {
 public:
   LocalizeApp()
-      : App("facetloc_localize", "MAP.flmap INPUT -o RESULTS [options]",
+      : App("facetloc_localize", "MAP.flmap [MAP.flmap ...] INPUT -o RESULTS [options]",
             "Finds where depth images were taken in a map. INPUT is a recording: a folder, a list (.txt, "
             ".lst) or one image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or "
             "output of facetloc_segment. RESULTS/hypotheses.csv lists the ranked poses of each image, "
-            "RESULTS/poses_tum.txt the sure ones. Images that cannot be localized are listed with the "
+            "RESULTS/poses_tum.txt the sure ones. With several maps, as of floors, part names the map of a "
+            "pose. Images that cannot be localized are listed with the "
             "reason. Under mpirun, its processes share the images.") {}
 
 private:
@@ -162,8 +163,8 @@ private:
   };
 
   void addOptions(CommandLine& line) override {
-    line.addArgument("MAP.flmap", map_);
-    line.addArgument("INPUT", input_path_);
+    line.addArgument("MAP.flmap", maps_.emplace_back());
+    line.addArguments("INPUT", inputs_);
     line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of hypotheses per image.");
     addMinProbability(line, min_probability_);
@@ -368,9 +369,13 @@ private:
 
   /** The parameters that the results depend on. */
   std::string paramsIni(const std::optional<CameraFile>& file, const Camera& camera, const Map& map) const {
-    return fmt::format("# {}, map {} of {}, checksum {}\n", versionText(), fs::path(map_).filename().string(),
-                       counted(map.models.size(), "local model"), checksum(map_)) +
-           cameraLine(file) +
+    std::string head;
+    for (std::size_t i = 0; i < maps_.size(); ++i)
+      head += fmt::format(
+          "# {}, map {} of {}, checksum {}\n", versionText(), fs::path(maps_[i]).filename().string(),
+          counted((map.joined.empty() ? map : *map.joined[i].map).models.size(), "local model"),
+          checksum(maps_[i]));
+    return head + cameraLine(file) +
            fmt::format("max-hypotheses = {}\nmin-probability = {}\n", max_hypotheses_,
                        text::shortest(min_probability_)) +
            (is_sequence_ ? "sequence = 1\n" : "") + (smooth_ ? "smooth = 1\n" : "") +
@@ -406,11 +411,13 @@ private:
   /** \param out where answers are streamed to; null = nowhere */
   int localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
     requireSense();
-    Provenance::requireNotReplaced(input_path_, folder_);
+    maps_.insert(maps_.end(), inputs_.begin(), inputs_.end() - 1);
+    const std::string& input_path = inputs_.back();
+    Provenance::requireNotReplaced(input_path, folder_);
     if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
     input_.recording.segments = true;
-    DepthSequence sequence = openSequence(input_path_, input_.recording, console);
-    const auto map = std::make_shared<const Map>(noteUnfinished(openMap(map_), map_, console));
+    DepthSequence sequence = openSequence(input_path, input_.recording, console);
+    const auto map = openMaps(maps_, console);
     if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
     const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
     noteDifference(camera, *map, console);
@@ -454,7 +461,8 @@ private:
 
   bool dealsOut() const override { return !is_sequence_ && !streams_; }
 
-  std::string map_, input_path_, folder_, map_covers_, near_, odometry_;
+  std::vector<std::string> maps_, inputs_;
+  std::string folder_, map_covers_, near_, odometry_;
   int max_hypotheses_ = 100;
   double min_probability_ = kMinProbability;
   bool overwrite_ = false, resume_ = false, streams_ = false, is_sequence_ = false, smooth_ = false;

@@ -102,6 +102,15 @@ struct MapAmbiguity {
   int views = 0;     ///< that were asked for, and for which there was another place to be taken for theirs
 };
 
+struct Map;
+
+/** \brief One of several maps that are one (joinMaps()). */
+struct JoinedMap {
+  std::string name;  ///< not empty, without a slash
+  std::shared_ptr<const Map> map;
+  int first_part = 0;  ///< index of its first part among those of all maps
+};
+
 /** \brief A map: local models and links between them.
  *
  * It may consist of parts whose relative poses are unknown. Each has a frame of its own, and
@@ -113,7 +122,8 @@ struct Map {
   std::vector<std::string> parts;         ///< their names; the world's is empty. None = all is the world
   std::optional<MapAmbiguity> ambiguity;  ///< as far as it was asked about itself
   std::map<std::string, std::string>
-      meta;  ///< how it was made: parameters, software version, conventions in words
+      meta;                       ///< how it was made: parameters, software version, conventions in words
+  std::vector<JoinedMap> joined;  ///< the maps that joinMaps() has made it of; none for a map of one file
 
   /** \brief The view of local model number i, wherever it is stored. Throws the exceptions of reading it, and
    * std::logic_error if the model has none. */
@@ -126,6 +136,10 @@ struct Map {
 
   /** \brief The name of the part that local model number i belongs to; empty for the world. */
   std::string partOf(int i) const;
+  /** \brief The joined map that a part belongs to; null if none are joined. */
+  const JoinedMap* joinedMap(int part) const;
+  /** \brief Likewise; the map itself if none are joined. */
+  const Map& mapOf(int part) const { return joined.empty() ? *this : *joinedMap(part)->map; }
 
   /** \brief A camera whose images are to be localized in the map: with the distortion that the map has found,
    * if its optics are those of the map's camera and nothing else is known. */

@@ -7,7 +7,8 @@
 #include <vector>
 
 /** \file
- * A map whose links say more than its poses: where models are that have no pose of their own. */
+ * A map whose links say more than its poses: where models are that have no pose of their own. Several maps
+ * that are one. */
 
 namespace facetloc {
 
@@ -41,5 +42,15 @@ std::vector<PartCount> partCounts(const Map& map);
 /** \brief The part to show where only one can be shown: the world, or else the first of those with most local
  * models. */
 int mainPart(const Map& map);
+
+/** \brief Several maps as one, for localization in all of them at once: floors, buildings, cameras.
+ *
+ * Their parts stay parts, each in its own frame, with the name of their map, and after a slash the name of
+ * the part if it is not the world; local models are named likewise. Views are shared, not copied. Each part
+ * keeps the ambiguity of its map; the errors that views share are the largest of all, the threshold of sure
+ * answers the highest. The camera is the first map's, without mounting if another has another one: a
+ * camera in the hand. Throws std::invalid_argument for no map, names that are empty, hold a slash or occur
+ * twice, and for surfaces of different kinds (MapSurfaces). */
+Map joinMaps(std::vector<JoinedMap> maps);
 
 }  // namespace facetloc

@@ -34,7 +34,8 @@ struct ResultRow {
   std::string reason;
   AnswerState state = AnswerState::unknown;
   std::string part;
-  std::optional<double> not_in_map;  ///< empty without probabilities, and in older results
+  std::optional<double> not_in_map;      ///< empty without probabilities, and in older results
+  std::map<std::string, double> maps{};  ///< probability of each of several maps, at rank 1; not in files
 };
 
 /** \brief A column of hypotheses.csv, or the seven of a pose. Files, messages between processes,

@@ -474,4 +474,12 @@ void Localizer::setNumberOfThreads(int n) {
   impl_->belief.setNumberOfThreads(n);
 }
 
+std::map<std::string, double> probabilitiesOfMaps(const Localization& answer, const Map& map) {
+  std::map<std::string, double> out;
+  for (const JoinedMap& one : map.joined) out[one.name] = 0;
+  for (const Hypothesis& h : answer.hypotheses)
+    if (const JoinedMap* one = map.joinedMap(h.part)) out[one->name] += h.probability;
+  return out;
+}
+
 }  // namespace facetloc

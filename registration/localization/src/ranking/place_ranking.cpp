@@ -44,7 +44,7 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
 
 // Score of wrong matches: the map's, moved by a share towards the highest of the models around the place.
 double PlaceRanking::aliasScoreOf(const Hypothesis& place, double share_of_place) const {
-  const double of_map = meanAmbiguity(params_.calibration.probability, map_->ambiguity);
+  const double of_map = meanAmbiguity(params_.calibration.probability, map_->mapOf(place.part).ambiguity);
   std::optional<double> of_place;
   for (const int i : near_.bySight(place.part, *place.T_w_c, kEvidenceReach, kEvidenceModels))
     if (const auto& score = map_->models[i].alias_score)
@@ -57,7 +57,8 @@ ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight, doub
                                     const Hypothesis& place) const {
   if (!evidence || map_->models.size() == 1) return odds(evidence, {});
   const ProbabilityCalibration& p = params_.calibration.probability;
-  const double prior = params_.probability.priorLogOdds(), slope = slopeOf(p, map_->ambiguity);
+  const double prior = params_.probability.priorLogOdds(),
+               slope = slopeOf(p, map_->mapOf(place.part).ambiguity);
   return {slope, (1 - lookalike_weight) * p.least_null_score +
                      lookalike_weight * aliasScoreOf(place, share_of_place) + prior / slope};
 }
@@ -65,8 +66,10 @@ ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight, doub
 ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {
   if (map_->models.size() == 1) return oddsOfPair(params_, evidence);
   const ProbabilityCalibration& p = params_.calibration.probability;
-  if (evidence)
-    return {slopeOf(p, map_->ambiguity), nullScore(p, params_.probability, map_->ambiguity, sorted)};
+  if (evidence) {
+    const auto& ambiguity = map_->mapOf(sorted.empty() ? 0 : sorted.front().part).ambiguity;
+    return {slopeOf(p, ambiguity), nullScore(p, params_.probability, ambiguity, sorted)};
+  }
   return {params_.calibration.plain_probability.slope, params_.calibration.plain_probability.null_score};
 }
 

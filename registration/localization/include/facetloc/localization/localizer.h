@@ -6,6 +6,7 @@
 #include <facetloc/registration/hypothesis.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -94,5 +95,8 @@ private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/** \brief The probability that the view is of each of several maps (joinMaps()), by name; empty for one map. */
+std::map<std::string, double> probabilitiesOfMaps(const Localization& answer, const Map& map);
 
 }  // namespace facetloc
