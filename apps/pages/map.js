@@ -210,6 +210,22 @@
       points.push(new THREE.Vector3(...run.points.slice(i - 3, i)), new THREE.Vector3(...run.points.slice(i, i + 3)));
     if (points.length) addLayer('run' + r, run.name, linesOf(points, run.colour, 1), true, [run.colour]);
   });
+  const changes = data.changes || [], CHANGE_COLOURS = {removed: COLOURS.wrong, new: COLOURS.sure};
+  for (const kind of ['removed', 'new']) {
+    const positions = [], colours = [], colour = new THREE.Color(CHANGE_COLOURS[kind]);
+    for (const change of changes.filter((c) => c.kind === kind)) {
+      const hull = change.outline.map((p) => new THREE.Vector3(...p));
+      for (let i = 1; i + 1 < hull.length; ++i)
+        for (const p of [hull[0], hull[i], hull[i + 1]]) {
+          positions.push(p.x, p.y, p.z);
+          colours.push(colour.r, colour.g, colour.b);
+        }
+    }
+    if (!positions.length) continue;
+    const mesh = meshOf(positions, colours, THREE.DoubleSide);
+    Object.assign(mesh.material, {transparent: true, opacity: 0.6, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2});
+    addLayer(kind, kind + ' surfaces', mesh, true, [CHANGE_COLOURS[kind]]);
+  }
   const counts = {sure: 0, doubtful: 0, wrong: 0, unknown: 0};
   for (const answer of answers) ++counts[verdictOf(answer)];
   if (answers.length) {
@@ -267,6 +283,7 @@
     return e;
   }
   const metres = (x) => x < 0.1 ? (1000 * x).toFixed(x < 0.01 ? 1 : 0) + ' mm' : x.toFixed(2) + ' m';
+  const percent = (share) => (100 * share).toFixed(0) + ' %';
   const position = (pose) => pose.slice(0, 3).map((x) => x.toFixed(2)).join(', ') + ' m';
   const plural = (n, word) => n + ' ' + word + (n === 1 ? '' : 's');
 
@@ -394,6 +411,13 @@
     figureOf(pair, 'depth of the local model, its segments by direction', model.image, outlines);
     mark([camerasOf([{pose: model.pose, colour: colourOf(model), size: 1.6 * glyph}]), halo(placeOf(model.pose), 0.8 * glyph, colourOf(model))]);
   }
+  function showChange(change) {
+    rows(openCard(change.kind === 'new' ? 'New surface' : 'Removed surface'), [
+      ['area', change.area.toFixed(2) + ' m\u00b2'], ['probability', change.p.toFixed(3)], ['looks', String(change.looks)],
+      ['seen by', change.seen_by], ['centre', position(change.centre)]
+    ]);
+    mark([halo(placeOf(change.centre), Math.max(glyph, Math.sqrt(change.area)), CHANGE_COLOURS[change.kind])]);
+  }
   function areaOf(hull) {
     const sum = new THREE.Vector3();
     for (let i = 1; i + 1 < hull.length; ++i)
@@ -411,6 +435,8 @@
       ['from the truth', answer.error && metres(answer.error[0]) + ', ' + answer.error[1].toFixed(2) + '\u00b0' + (answer.relative ? ' (in its local model)' : '')],
       ['local model', best && best.model >= 0 ? linkTo(best.model) : undefined],
       ['other places', others > 0 ? others + (answer.more ? ' and ' + answer.more + ' more' : '') + ', the next with ' + answer.places[1].p.toFixed(3) : undefined],
+      ['view', answer.shares && ['explained', 'hiding', 'new'].map((s) => percent(answer.shares[s]) + ' ' + s).join(', ')],
+      ['map in view', answer.shares && percent(answer.shares.missing) + ' missing'],
       ['reason', answer.reason || undefined]
     ]);
     if (answer.image || (best && best.model >= 0)) {
@@ -521,6 +547,19 @@
     element('summary', plural(data.findings.length, 'finding'), findings);
     for (const words of data.findings) element('p', words, findings);
     byId('layers').before(findings);
+  }
+  if (changes.length) {
+    const list = element('details');
+    list.id = 'changes';
+    element('summary', plural(changes.length, 'changed surface'), list);
+    for (const change of changes) {
+      const line = element('p', undefined, list), button = element('button', change.kind, line);
+      button.type = 'button';
+      button.className = 'go';
+      button.addEventListener('click', () => showChange(change));
+      line.append(' ' + change.area.toFixed(2) + ' m\u00b2, probability ' + change.p.toFixed(3));
+    }
+    byId('layers').before(list);
   }
   function legend(id, entries) {  // [[colour, number, words]]
     const line = element('p');

@@ -44,6 +44,42 @@ TEST_F(Tools, MapExtendBringsAMapUpToDateOnce) {
   EXPECT_EQ(runMap({"extend", path, query(), "--overwrite"}).code, kUsage);
 }
 
+/** A thing in front of two local models, which no image of the session sees. */
+Map withAThingInFront(Map map) {
+  for (const std::size_t i : {0, 1}) {
+    View view = *map.view(static_cast<int>(i));
+    Segment nearer = view.segments.front();
+    std::vector<std::uint16_t> picture = view.depth.inverse_depth;
+    for (std::uint16_t& inverse : picture) inverse = static_cast<std::uint16_t>(1.5 * inverse);
+    nearer.t /= 1.5;
+    for (Eigen::Vector2f& corner : nearer.hull.vertex) corner /= 1.5F;
+    const DepthNoise noise = view.depth.noise;
+    view.segments = {nearer};
+    view.depth = DepthPicture::fromStored(view.depth.camera, std::move(picture));
+    view.depth.noise = noise;
+    map.models[i].setView(std::move(view));
+  }
+  return map;
+}
+
+TEST_F(Tools, MapChangesListsSurfacesAndLeavesTheMap) {
+  const std::string path = folder_ / "m.flmap", csv = folder_ / "changes.csv", page = folder_ / "c.html";
+  const Arguments same = {"changes", map(), query(), "--csv", csv, "--page", page};
+  EXPECT_THAT(ok(runMap(same)).out, HasAll("the session is found", "surfaces removed, ", "surfaces new, "));
+  const std::string header = contentOf(csv);
+  EXPECT_THAT(header, HasSubstr("surface,area_m2,probability,looks,part,seen_by,x,y,z,nx,ny,nz,outline\n"));
+
+  writeMap(path, withAThingInFront(readMap(map())));
+  const std::string content = contentOf(path);
+  EXPECT_THAT(ok(runMap({"changes", path, query(), "--csv", csv, "--page", page})).out,
+              HasSubstr("removed "));
+  EXPECT_EQ(contentOf(path), content);
+  EXPECT_THAT(contentOf(csv), HasSubstr("\nremoved,"));
+  EXPECT_THAT(contentOf(page), HasSubstr("\"kind\":\"removed\""));
+  EXPECT_THAT(ok(runMap({"extend", path, query(), "-o", folder_ / "n.flmap"})).out, HasSubstr("removed "));
+  EXPECT_THAT(runMap({"changes", map(), otherRoom(folder_ / "other")}), fails("is not found in"));
+}
+
 TEST_F(Tools, MapExtendFindsASessionInCoordinatesOfItsOwn) {
   std::vector<StampedPose> moved;
   const Trajectory truth = readTumTrajectory(query() + "/groundtruth.txt");

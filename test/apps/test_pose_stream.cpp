@@ -100,6 +100,7 @@ FrameResult frame() {
   for (int r = 0; r < 6; ++r)
     for (int c = 0; c < 6; ++c) P(r, c) = 10 * std::min(r, c) + std::max(r, c);
   row.P_w_c = P;
+  row.shares = ViewShares{0.7, 0.2, 0.1, 0.05};
   result.rows = {row};
   return result;
 }
@@ -120,6 +121,8 @@ TEST(PoseStream, ALineIsJsonOfTheSchema) {
   EXPECT_EQ(answer["covariance"][5].asDouble(), 5);
   EXPECT_EQ(answer["covariance"][6].asDouble(), 11);
   EXPECT_EQ(answer["covariance"][20].asDouble(), 55);
+  EXPECT_EQ(answer["shares"]["hiding"].asDouble(), 0.2);
+  EXPECT_EQ(answer["shares"]["new"].asDouble(), 0.1);
 }
 
 TEST(PoseStream, UnknownValuesAreNull) {
@@ -131,7 +134,7 @@ TEST(PoseStream, UnknownValuesAreNull) {
   result.rows = {row};
   const Json::Value answer = parsed(toJson(result, CameraMounting{1, 0}));
   expectBySchema(answer);
-  for (const char* key : {"T_w_c", "T_w_b", "covariance", "model"}) EXPECT_TRUE(answer[key].isNull()) << key;
+  for (const char* key : {"T_w_c", "T_w_b", "covariance", "model", "shares"}) EXPECT_TRUE(answer[key].isNull()) << key;
   EXPECT_EQ(answer["state"].asString(), "unknown");
   EXPECT_EQ(answer["probability"].asDouble(), 0);
   EXPECT_EQ(answer["reason"].asString(), "nothing agrees");

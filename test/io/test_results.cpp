@@ -51,6 +51,7 @@ std::vector<FrameResult> twoFrames() {
   a.rows = {hypothesis("1.5", 1), hypothesis("1.5", 2)};
   a.rows[0].T_w_c = Eigen::Isometry3d(Eigen::Translation3d(7, 8, 9));
   a.rows[0].P_w_c = exampleCovariance();
+  a.rows[0].shares = ViewShares{0.625, 0.25, 0.125, 0.0625};
   for (ResultRow& row : a.rows) row.state = AnswerState::sure;
   a.timing = {"1.5", 10.25, 2, 3.5, 140};
   b.stamp = 2;
@@ -203,10 +204,24 @@ TEST_F(Results, AWrongStateOrCovarianceIsNamed) {
   }
 }
 
+TEST_F(Results, SharesOfAViewAreOfTheFirstRank) {
+  const TemporaryFolder folder;
+  writeResults(folder.path(), twoFrames(), "");
+  EXPECT_EQ(bytesOf(folder / "shares.csv"),
+            "frame,explained,hiding,new,missing\n1.5,0.625,0.25,0.125,0.0625\n");
+  EXPECT_EQ(readShares(folder.path()).at("1.5").missing, 0.0625);
+  EXPECT_EQ(readResults(folder.path()).at("1.5").rows.front().shares->hiding, 0.25);
+  putBytes(folder / "shares.csv", "frame,explained,hiding,new,missing\n1.5,0.6,0.3,0.1,1.5\n");
+  EXPECT_THAT(ioErrorOf([&] { readShares(folder.path()); }), HasAll("line 2", "missing"));
+  std::filesystem::remove(folder / "shares.csv");
+  EXPECT_TRUE(readShares(folder.path()).empty()) << "as in folders of older versions";
+}
+
 TEST_F(Results, SameResultsSameBytes) {
   writeResults(folder_ / "a", twoFrames(), "x");
   writeResults(folder_ / "b", twoFrames(), "x");
-  for (const char* name : {"hypotheses.csv", "poses_tum.txt", "covariances.csv", "timing.csv", "params.ini"})
+  for (const char* name :
+       {"hypotheses.csv", "poses_tum.txt", "covariances.csv", "shares.csv", "timing.csv", "params.ini"})
     EXPECT_EQ(bytesOf(folder_ / "a" / name), bytesOf(folder_ / "b" / name)) << name;
 }
 
@@ -303,7 +318,8 @@ TEST(ResultsWriter, WritesTheSameFrameByFrame) {
     writer.append(frame);
     EXPECT_EQ(readTiming(folder / "growing").size(), before + 1) << "there when append() returns";
   }
-  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv", "params.ini"})
+  for (const char* name :
+       {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv", "shares.csv", "params.ini"})
     EXPECT_EQ(bytesOf(folder / "whole" / name), bytesOf(folder / "growing" / name)) << name;
 }
 
@@ -328,7 +344,8 @@ TEST(ResultsWriter, GoesOnWithWhatIsWhole) {
   frames[1].rows[0].reason = "dark, \"very\"";
   std::filesystem::create_directory(folder / "run");
   const std::vector<ResultFrame> names = {{"1.5", 1.5}, {"2", 2}};
-  constexpr const char* kFiles[] = {"hypotheses.csv", "covariances.csv", "poses_tum.txt", "timing.csv"};
+  constexpr const char* kFiles[] = {"hypotheses.csv", "covariances.csv", "shares.csv", "poses_tum.txt",
+                                    "timing.csv"};
   writeResults(folder / "none", {}, "");
   writeResults(folder / "one", {frames[0]}, "");
   writeResults(folder / "whole", frames, "");
@@ -361,10 +378,10 @@ TEST(ResultsWriter, BringsFramesIntoOrderAndDropsOthers) {
   writeResults(folder / "second", {frames[1]}, "");
   ResultsWriter(folder / "wrong", "", {{"1.5", 1.5}, {"2", 2}, {"not there", 3}});
   ResultsWriter(folder / "right" / ".", "", {{"1.5", 1.5}, {"2", 2}});
-  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv"})
+  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv", "shares.csv"})
     EXPECT_EQ(bytesOf(folder / "wrong" / name), bytesOf(folder / "right" / name)) << name;
   ResultsWriter(folder / "wrong", "", {{"2", 2}});
-  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv"})
+  for (const char* name : {"hypotheses.csv", "timing.csv", "poses_tum.txt", "covariances.csv", "shares.csv"})
     EXPECT_EQ(bytesOf(folder / "wrong" / name), bytesOf(folder / "second" / name)) << name;
 }
 

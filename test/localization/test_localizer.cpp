@@ -79,6 +79,47 @@ TEST_F(SequenceInARoom, ACameraThatMovesKnowsWhereItIs) {
   EXPECT_LE(searched, 20);
 }
 
+/** The share of the measured pixels of a view that are nearer than in another one from the same place. */
+double nearerShare(const View& view, const View& other) {
+  int nearer = 0, measured = 0;
+  for (std::size_t i = 0; i < view.depth.inverse_depth.size(); ++i) {
+    measured += view.depth.inverse_depth[i] > 0;
+    nearer += view.depth.inverse_depth[i] > 1.1 * other.depth.inverse_depth[i];
+  }
+  return nearer / double(measured);
+}
+
+TEST_F(SequenceInARoom, AnAnswerTellsWhatIsInFrontOfTheMapAndWhatOfItIsGone) {
+  const auto isOne = [](const ViewShares& s) {
+    return std::abs(s.explained + s.hiding + s.fresh - 1) < 1e-9;
+  };
+  const Eigen::Vector3d at = truth[10] * Eigen::Vector3d(0.1, 0, 1.3);
+  const test::Scene post = test::box({at.x() - 0.15, at.y() - 0.15, 0}, {at.x() + 0.15, at.y() + 0.15, 1.8});
+  const View with_post = viewFrom(test::largeRoom() + post, truth[10], 5);
+  const double in_front = nearerShare(with_post, views[10]);
+  ASSERT_GT(in_front, 0.1);
+  Localizer sequence(map);
+  for (const Localization& answer : {Localizer(map).localize(views[10]), sequence.update(views[10], 0)}) {
+    ASSERT_TRUE(answer.shares && isOne(*answer.shares));
+    EXPECT_GT(answer.shares->explained, 0.9);
+    EXPECT_LT(answer.shares->hiding, 0.02);
+    EXPECT_LT(answer.shares->missing, 0.02);
+  }
+  for (const Localization& answer : {Localizer(map).localize(with_post), sequence.update(with_post, 0.1)}) {
+    ASSERT_TRUE(answer.shares && isOne(*answer.shares));
+    EXPECT_NEAR(answer.shares->hiding, in_front, 0.05);
+    EXPECT_LT(answer.shares->missing, 0.02);
+  }
+  Map furnished = *map;
+  for (LocalModel& model : furnished.models) model = modelAt(test::largeRoom() + post, *model.T_w_m, 7);
+  const Localization without = Localizer(std::make_shared<const Map>(furnished)).localize(views[10]);
+  ASSERT_TRUE(without.shares && isOne(*without.shares));
+  EXPECT_LT(without.shares->hiding, 0.05);
+  EXPECT_GT(without.shares->missing, 0.5 * in_front);
+  EXPECT_LT(without.shares->missing, 2 * in_front);
+  EXPECT_FALSE(Localizer(std::make_shared<const Map>()).localize(views[10]).shares);
+}
+
 TEST_F(SequenceInARoom, ACameraOnItsSideIsFoundAsAnUprightOne) {
   for (const int quarters : {1, 2, 3}) {
     const Eigen::Isometry3d roll(Eigen::AngleAxisd(quarters * EIGEN_PI / 2, Eigen::Vector3d::UnitZ()));

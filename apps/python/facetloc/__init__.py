@@ -83,6 +83,7 @@ class Answer:
     state: str  #: "sure", "doubtful" or "unknown"
     hypotheses: List[Hypothesis]  #: the most probable first
     not_in_map: float  #: probability that the map does not hold the place
+    shares: Dict[str, float]  #: of the view: explained, hiding and new; of the map: missing; empty if unknown
     reason: str  #: why it is not sure; empty if it is
     tracking: str  #: of a moving camera: "searching", "localized", "tracking", "cannot tell", "lost"
     T_w_c: Optional[Array]  #: the most probable pose in the world

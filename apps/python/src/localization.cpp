@@ -46,6 +46,10 @@ py::dict toDict(const Localization& answer, const Map& map, const Camera& camera
   out["hypotheses"] = hypotheses;
   out["not_in_map"] = answer.not_in_map;
   if (!map.joined.empty()) out["maps"] = probabilitiesOfMaps(answer, map);
+  py::dict shares;
+  if (answer.shares)
+    for (const auto& [name, share] : ViewShares::kNamed) shares[name] = (*answer.shares).*share;
+  out["shares"] = shares;
   out["reason"] = answer.reason;
   out["findings"] = toList(differenceFindings(map.calibrated(camera), map));
   out["tracking"] = stateName(answer.tracking);

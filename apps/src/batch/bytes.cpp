@@ -84,10 +84,15 @@ void fields(Archive& archive, AnswerState& state) {
 }
 
 template <class Archive>
+void fields(Archive& archive, ViewShares& shares) {
+  for (const auto& [name, share] : ViewShares::kNamed) archive(shares.*share);
+}
+
+template <class Archive>
 void fields(Archive& archive, ResultRow& row) {
   for (const ResultColumn& column : resultColumns())
     std::visit([&](auto member) { archive(row.*member); }, column.value);
-  archive(row.P_w_c);
+  archive(row.P_w_c, row.shares);
 }
 
 template <class Archive>

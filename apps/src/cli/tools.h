@@ -12,8 +12,8 @@ using MakeApp = std::unique_ptr<App>();
 MakeApp checkApp, convertApp, evaluateApp, liveApp, localizeApp, registerApp, renderApp, segmentApp,
     simulateApp, tryApp;
 /** \brief Makes a command of facetloc_map. */
-MakeApp mapBuildApp, mapCalibrateApp, mapCheckApp, mapDensifyApp, mapExportApp, mapExtendApp, mapImportApp,
-    mapInfoApp, mapMergeApp, mapModelApp;
+MakeApp mapBuildApp, mapCalibrateApp, mapChangesApp, mapCheckApp, mapDensifyApp, mapExportApp, mapExtendApp,
+    mapImportApp, mapInfoApp, mapMergeApp, mapModelApp;
 
 /** \brief facetloc_map: hands over to the tool that its first argument names. \return the exit code. */
 int runMapTool(const std::vector<std::string>& arguments, Console console);

@@ -150,6 +150,7 @@ public:
     addOwnViews();
     addLinks();
     addRuns();
+    addChanges();
     for (const Finding& finding : page_.findings)
       data_["findings"].append(printable(toString(finding.severity) + (": " + finding.text())));
     data_["answers"] = Json::arrayValue;
@@ -244,6 +245,21 @@ private:
     }
   }
 
+  void addChanges() {
+    for (const SurfaceChange& change : page_.changes) {
+      if (change.part != part_) continue;
+      Json::Value value;
+      value["kind"] = change.name();
+      value["area"] = change.area;
+      value["p"] = change.probability;
+      value["looks"] = static_cast<Json::UInt64>(change.looks);
+      value["seen_by"] = printable(change.seen_by);
+      value["centre"] = rowsOf(change.centre);
+      for (const Eigen::Vector3d& corner : change.outline) value["outline"].append(rowsOf(corner));
+      data_["changes"].append(value);
+    }
+  }
+
   Json::Value valueOf(const PagePlace& place) const {
     Json::Value value;
     value["pose"] = poseOf(place.T_w_c);
@@ -267,6 +283,8 @@ private:
     if (answer.places.size() > places)
       value["more"] = static_cast<Json::UInt64>(answer.places.size() - places);
     if (answer.P_w_c && places > 0) value["axes"] = rowsOf(axesOf(*answer.P_w_c));
+    if (answer.shares)
+      for (const auto& [name, share] : ViewShares::kNamed) value["shares"][name] = (*answer.shares).*share;
     if (answer.truth) value["truth"] = poseOf(*answer.truth);
     if (answer.error_m && answer.error_deg) {
       value["error"] = rowsOf(Eigen::RowVector2d(*answer.error_m, *answer.error_deg));

@@ -34,6 +34,7 @@ struct PageAnswer {
   std::string reason;             ///< why there is no place, or a remark
   std::vector<PagePlace> places;  ///< most probable first
   std::optional<Matrix6d> P_w_c;  ///< covariance of the first place
+  std::optional<ViewShares> shares;
   std::optional<Eigen::Isometry3d> truth;
   std::optional<double> error_m, error_deg;  ///< difference of the first place from the truth
   bool relative = false;                     ///< ... in its local model
@@ -47,6 +48,7 @@ struct MapPage {
   std::vector<PageAnswer> answers;  ///< Sorted by time.
   Findings findings;                ///< about the recordings and their localization
   std::vector<OwnView> own_views;   ///< answers for the map's own images, which colour its local models
+  std::vector<SurfaceChange> changes;  ///< surfaces that are gone or new
   /** \brief The view of an answer's image, to show it and its matched local model; may be empty, and return
    * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;
@@ -57,7 +59,7 @@ constexpr int kMostLinks = 30;
 
 /** \brief Writes a page for browsers, one file that needs no network, atomically: the segments of all local
  * models as polygons coloured by direction, the local models, links, runs, and answers with 95 % ellipsoids,
- * to turn, zoom and click. Names are text there, whatever is in them. Pictures and matches share about 1 MB:
+ * and changed surfaces, to turn, zoom and click. Names are text there, whatever is in them. Pictures and matches share about 1 MB:
  * where images are many, pictures are smaller, then fewer; of more than 40 000 segments the largest are
  * drawn. Throws IoError if no local model of the map has a pose, or the page cannot be written;
  * std::runtime_error if facetloc was built without three.js. */

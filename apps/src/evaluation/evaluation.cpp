@@ -328,6 +328,7 @@ std::vector<RunResults> readRuns(const std::filesystem::path& folder, const Rema
     const std::string name = run.filename().string();
     runs.push_back({single ? "" : name, readHypotheses(run, remark), {}, name, {}});
     runs.back().covariances = readCovariances(run, remark);
+    runs.back().shares = readShares(run, remark);
     if (auto provenance = Provenance::read(run)) {
       runs.back().images = std::move(provenance->images);
       runs.back().as_drive = provenance->params_ini.find("\nsequence = 1\n") != std::string::npos;

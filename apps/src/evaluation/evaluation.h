@@ -118,6 +118,7 @@ struct RunResults {
   ImageSizes images{};                            ///< that were localized; may be empty
   std::map<std::string, Matrix6d> covariances{};  ///< world poses of rank 1, keyed by image; may be empty
   bool as_drive = false;                          ///< localized as a sequence
+  std::map<std::string, ViewShares> shares{};     ///< keyed by image; may be empty
 };
 /** \brief Reads a results folder, or a folder of results folders, one per run; these are named by their
  * folders and in the order of their names. Throws IoError. */

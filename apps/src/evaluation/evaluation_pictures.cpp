@@ -213,6 +213,8 @@ MapPage answerPage(const Map& map, const std::vector<RunResults>& runs, const Ev
         begun.reason = row.reason;
         const auto judged = frames.find({run.name, row.frame});
         if (judged != frames.end()) judge(*judged->second, relative, begun);
+        const auto shares = run.shares.find(row.frame);
+        if (shares != run.shares.end()) begun.shares = shares->second;
         page.answers.push_back(std::move(begun));
       }
       if (row.rank == 0 || !row.T_w_c || row.part != drawn) continue;

@@ -77,6 +77,7 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
     rows.back().not_in_map = answer.not_in_map;
   }
   rows.front().maps = probabilitiesOfMaps(answer, map);
+  rows.front().shares = answer.shares;
   std::string& reason = rows.front().reason;
   if (!reason.empty() && !answer.reason.empty()) reason += "; ";
   reason += answer.reason;

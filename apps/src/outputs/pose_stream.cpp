@@ -58,15 +58,19 @@ std::string covarianceJson(const Matrix6d& P) {
   return listOf(upper);
 }
 
-/** The field of several maps; empty for one. */
-std::string mapsJson(const std::map<std::string, double>& probabilities) {
+/** JSON object of numbers by their names. */
+template <class Named>
+std::string objectOf(const Named& numbers) {
   std::string out;
-  for (const auto& [name, p] : probabilities)
-    out.append(out.empty() ? ",\"maps\":{" : ",")
-        .append(quotedJson(name))
-        .append(":")
-        .append(text::significant(p));
-  return out.empty() ? out : out + "}";
+  for (const auto& [name, number] : numbers)
+    out += fmt::format("{}{}:{}", out.empty() ? "{" : ",", quotedJson(name), text::significant(number));
+  return out + "}";
+}
+
+std::string sharesJson(const ViewShares& shares) {
+  std::vector<std::pair<std::string, double>> named;
+  for (const auto& [name, share] : ViewShares::kNamed) named.emplace_back(name, shares.*share);
+  return objectOf(named);
 }
 
 }  // namespace
@@ -77,12 +81,14 @@ std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>
   if (best.T_w_c && mounting) T_w_b = *best.T_w_c * mounting->T_b_c().inverse();
   return fmt::format(
       R"({{"stamp":{},"frame":{},"state":{},"probability":{},"model":{},"part":{},"T_w_c":{},"T_w_b":{},)"
-      R"("covariance":{},"reason":{},"not_in_map":{}{}}})",
+      R"("covariance":{},"reason":{},"not_in_map":{},"shares":{}{}}})",
       text::decimals(frame.stamp, kStampDigits), quotedJson(best.frame), quotedJson(toString(best.state)),
       text::significant(best.probability), best.rank > 0 ? quotedJson(best.model) : kNothing,
       quotedJson(best.part), poseJson(best.T_w_c), poseJson(T_w_b),
       best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing, quotedJson(best.reason),
-      best.not_in_map ? text::significant(*best.not_in_map) : kNothing, mapsJson(best.maps));
+      best.not_in_map ? text::significant(*best.not_in_map) : kNothing,
+      best.shares ? sharesJson(*best.shares) : kNothing,
+      best.maps.empty() ? "" : R"(,"maps":)" + objectOf(best.maps));
 }
 
 void PoseStream::put(std::size_t index, const FrameResult& frame) {

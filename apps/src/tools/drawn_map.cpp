@@ -5,10 +5,8 @@
 #include "outputs/provenance.h"
 
 #include <facetloc/io/error.h>
-#include <facetloc/io/trajectory.h>
 
 #include <cstdlib>
-#include <fmt/format.h>
 #include <optional>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -48,34 +46,6 @@ int runProgram(const fs::path& program, const std::vector<std::string>& argument
   return WEXITSTATUS(status);
 }
 
-/** Removed with all that is in it. */
-class TemporaryFolder {
-public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "facetloc_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw IoError(name, "cannot be created");
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
-private:
-  fs::path path_;
-};
-
-/** Their numbers are their times. */
-std::string written(const fs::path& file, const std::vector<Eigen::Isometry3d>& T_w_c) {
-  std::vector<StampedPose> poses;
-  for (const Eigen::Isometry3d& T : T_w_c) poses.push_back({static_cast<double>(poses.size()), T});
-  writeTumTrajectory(file, poses);
-  return file.string();
-}
-
 }  // namespace
 
 DrawnMap::DrawnMap(fs::path picture) : picture_(std::move(picture)) {
@@ -88,18 +58,8 @@ DrawnMap::DrawnMap(fs::path picture) : picture_(std::move(picture)) {
   renderer_ = *renderer;
 }
 
-void DrawnMap::draw(const fs::path& map, const std::vector<Eigen::Isometry3d>& trajectory,
-                    const std::vector<Marks>& marks) const {
-  const TemporaryFolder folder;
-  std::vector<std::string> arguments = {map.string(), "-o", picture_.string(), "--quiet"};
-  if (!trajectory.empty())
-    arguments.insert(arguments.end(),
-                     {"--trajectory", written(folder.path() / "trajectory.txt", trajectory)});
-  std::vector<std::string> files;  // without a name where a kind has none: each has its colour
-  for (const auto& [name, T_w_c] : marks)
-    files.push_back(T_w_c.empty() ? "" : written(folder.path() / (name + ".txt"), T_w_c));
-  if (!files.empty())
-    arguments.insert(arguments.end(), {"--marks", fmt::format("{}", fmt::join(files, ","))});
+void DrawnMap::draw(const fs::path& map) const {
+  const std::vector<std::string> arguments = {map.string(), "-o", picture_.string(), "--quiet"};
   if (runProgram(renderer_, arguments) != 0)
     throw IoError(picture_.string(),
                   "is not drawn by " + renderer_.string() + "; the map is in " + map.string());

@@ -520,6 +520,8 @@ constexpr MapCommand kMapCommands[] = {
     {"build", "SEQUENCE -o MAP.flmap", "build a map from a recording", mapBuildApp},
     {"from-model", "MODEL -o MAP.flmap", "build a map from a scan, mesh or plan of a building", mapModelApp},
     {"extend", "MAP.flmap SEQUENCE", "update a map with a later recording", mapExtendApp},
+    {"changes", "MAP.flmap SEQUENCE", "list surfaces that are gone or new in a later recording",
+     mapChangesApp},
     {"densify", "MAP.flmap", "add rendered views beside the drive", mapDensifyApp},
     {"calibrate", "MAP.flmap RECORDING", "find the minimum probability of sure answers", mapCalibrateApp},
     {"info", "MAP.flmap", "print the content of a map", mapInfoApp},

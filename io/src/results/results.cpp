@@ -25,6 +25,7 @@ constexpr const char* kTiming = "timing.csv";
 constexpr const char* kPoses = "poses_tum.txt";
 constexpr const char *kPosesOfPart = "poses_tum.part-", *kPosesEnding = ".txt";
 constexpr const char* kCovariances = "covariances.csv";
+constexpr const char* kShares = "shares.csv";
 constexpr const char* kStarts = "starts.csv";
 constexpr const char* kParams = "params.ini";
 constexpr double kQuaternionTolerance = 1e-3;  // tolerance of |q|^2 as read
@@ -122,6 +123,21 @@ std::string covarianceLine(const FrameResult& frame) {
   forEachOfTriangle([&](int i, int j, const std::string&) {
     line.append(",").append(text::significant((*row.P_w_c)(i, j)));
   });
+  return line + '\n';
+}
+
+std::string sharesHeader() {
+  std::string header = "frame";
+  for (const auto& [name, share] : ViewShares::kNamed) header.append(",").append(name);
+  return header + "\n";
+}
+
+std::string sharesLine(const FrameResult& frame) {
+  const ResultRow& row = frame.rows.front();
+  if (row.rank != 1 || !row.shares) return {};
+  std::string line = text::csvCell(row.frame);
+  for (const auto& [name, share] : ViewShares::kNamed)
+    line.append(",").append(text::significant((*row.shares).*share));
   return line + '\n';
 }
 
@@ -272,13 +288,14 @@ const std::vector<ResultColumn>& resultColumns() {
 
 /** The lines of each file for one frame or for several. */
 struct ResultsWriter::Text {
-  std::string timing, covariances, hypotheses;
+  std::string timing, covariances, shares, hypotheses;
   PoseLines poses;
 
   Text() = default;
   explicit Text(const FrameResult& frame)
       : timing(timingLine(frame)),
         covariances(covarianceLine(frame)),
+        shares(sharesLine(frame)),
         hypotheses(hypothesesLines(frame)),
         poses(poseLines(frame)) {}
   explicit Text(const std::vector<FrameResult>& frames) {
@@ -306,6 +323,10 @@ private:
     const csv::Table covariances = tableOf(folder / kCovariances, ignore);
     for (const csv::Row& row : covariances.rows())
       frames[covariances.string(row, "frame")].covariances = row.text;
+    if (fs::exists(folder / kShares)) {  // not in the folders of older versions
+      const csv::Table shares = tableOf(folder / kShares, ignore);
+      for (const csv::Row& row : shares.rows()) frames[shares.string(row, "frame")].shares = row.text;
+    }
     const csv::Table hypotheses = tableOf(folder / kHypotheses, ignore);
     for (const csv::Row& row : hypotheses.rows()) {
       Text& frame = frames[hypotheses.string(row, "frame")];
@@ -321,6 +342,7 @@ private:
     timing += other.timing;
     for (const auto& [part, lines] : other.poses) poses[part] += lines;
     covariances += other.covariances;
+    shares += other.shares;
     hypotheses += other.hypotheses;
   }
 };
@@ -339,6 +361,7 @@ ResultsWriter::ResultsWriter(const fs::path& folder, const std::string& params_i
     : folder_(created(folder)),
       timing_(folder / kTiming, kTimingHeader + begin.timing),
       covariances_(folder / kCovariances, covariancesHeader() + begin.covariances),
+      shares_(folder / kShares, sharesHeader() + begin.shares),
       hypotheses_(folder / kHypotheses, hypothesesHeader() + begin.hypotheses) {
   removePosesOfParts(folder);
   addPoses("", {});  // poses in the world, even without any
@@ -361,6 +384,7 @@ void ResultsWriter::append(const FrameResult& frame) {
   const Text text(frame);
   hypotheses_.append(text.hypotheses);
   covariances_.append(text.covariances);
+  shares_.append(text.shares);
   for (const auto& [part, lines] : text.poses) addPoses(part, lines);
   timing_.append(text.timing);  // with which the frame counts
 }
@@ -391,6 +415,18 @@ std::map<std::string, Matrix6d> readCovariances(const fs::path& folder, const Re
   return covariances;
 }
 
+std::map<std::string, ViewShares> readShares(const fs::path& folder, const Remark& remark) {
+  std::map<std::string, ViewShares> all;
+  if (!fs::exists(folder / kShares)) return all;
+  const csv::Table table = tableOf(folder / kShares, remark);
+  for (const csv::Row& row : table.rows())
+    for (const auto& [name, share] : ViewShares::kNamed) {
+      const double value = all[table.string(row, "frame")].*share = table.real(row, name);
+      if (value < 0 || value > 1) table.fail(row, fmt::format("{} is not between 0 and 1", name));
+    }
+  return all;
+}
+
 std::vector<TimingRow> readTiming(const fs::path& folder, const Remark& remark) {
   const csv::Table table = tableOf(folder / kTiming, remark);
   std::vector<TimingRow> rows;
@@ -411,6 +447,9 @@ std::map<std::string, FrameResult> readResults(const fs::path& folder) {
   for (const auto& [name, covariance] : readCovariances(folder, ignore))
     if (const auto found = frames.find(name); found != frames.end())
       found->second.rows.front().P_w_c = covariance;
+  for (const auto& [name, shares] : readShares(folder, ignore))
+    if (const auto found = frames.find(name); found != frames.end())
+      found->second.rows.front().shares = shares;
   return frames;
 }
 

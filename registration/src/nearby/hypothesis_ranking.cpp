@@ -28,6 +28,20 @@ struct DepthEvidence {
   std::vector<DepthAgreement> of_models;
 };
 
+DepthEvidence compared(const View& scene, const Eigen::Isometry3d& T_w_c,
+                       const std::vector<NearbyView>& neighbours, const DepthComparison& comparison) {
+  DepthEvidence found;
+  std::vector<PosedPicture> pictures;
+  for (const NearbyView& n : neighbours) {
+    const DepthPicture& depth = n.view->depth;
+    const Eigen::Isometry3d T_m_c = n.T_w_m.inverse() * T_w_c;
+    pictures.push_back({&depth, n.T_w_m});
+    found.of_models.push_back(comparison.count(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
+  }
+  found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
+  return found;
+}
+
 // An object in front of the surfaces of an incomplete map is not in it: it is no agreement, but it does not
 // contradict, and the surfaces it hides count for nothing. Surfaces seen through the map's contradict as
 // ever.
@@ -149,16 +163,7 @@ void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypothe
 
 double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyView>& neighbours,
                                    Hypothesis& h, const DepthComparison& comparison) const {
-  const Eigen::Isometry3d& T_w_c = *h.T_w_c;
-  DepthEvidence found;
-  std::vector<PosedPicture> pictures;
-  for (const NearbyView& n : neighbours) {
-    const DepthPicture& depth = n.view->depth;
-    const Eigen::Isometry3d T_m_c = n.T_w_m.inverse() * T_w_c;
-    pictures.push_back({&depth, n.T_w_m});
-    found.of_models.push_back(comparison.count(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
-  }
-  found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
+  DepthEvidence found = compared(scene, *h.T_w_c, neighbours, comparison);
   const bool incomplete = surfaces_ == MapSurfaces::incomplete;
   if (incomplete) dropFurniture(found);
   const int step = gridStep(scene.depth, kFineColumns);
@@ -167,6 +172,20 @@ double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyVi
   found.expected = incomplete ? comparison.pixelsInReach(scene.depth, kFineColumns) : found.of_scene.judged();
   return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence,
                  weightsOf(surfaces_));
+}
+
+std::optional<ViewShares> HypothesisRanking::shares(const View& scene, const Hypothesis& h) const {
+  if (!h.T_w_c || scene.depth.empty()) return {};
+  const DepthEvidence found = compared(scene, *h.T_w_c, neighbours(h), comparison_);
+  const double pixels = comparison_.pixelsInReach(scene.depth, kFineColumns);
+  if (found.of_scene.judged() == 0 || pixels == 0) return {};
+  ViewShares shares;
+  shares.explained = found.of_scene.agree / pixels, shares.hiding = found.of_scene.contradict / pixels;
+  shares.fresh = 1 - shares.explained - shares.hiding;
+  DepthAgreement models;
+  for (const DepthAgreement& of_model : found.of_models) models += of_model;
+  shares.missing = models.contradict / std::max(1.0, double(models.judged()));
+  return shares;
 }
 
 // Moves a hypothesis, within its place, to where the pixels of these models fit best.

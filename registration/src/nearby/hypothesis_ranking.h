@@ -120,6 +120,10 @@ public:
   void stateAsShown(const View& scene, const std::function<PoseWithCovariance(int model)>& prior_of,
                     std::vector<Hypothesis>& hypotheses) const;
 
+  /** \brief What a scene shows, hides and lacks of the views near a hypothesis; nothing where none of them
+   * has depth there. */
+  std::optional<ViewShares> shares(const View& scene, const Hypothesis& h) const;
+
 protected:
   /** \param surfaces the kind of surfaces in views near a hypothesis (localization/METHOD 1.7)
    * \param errors of poses among these views, which no pixel shows */

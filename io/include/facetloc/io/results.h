@@ -36,6 +36,7 @@ struct ResultRow {
   std::string part;
   std::optional<double> not_in_map;      ///< empty without probabilities, and in older results
   std::map<std::string, double> maps{};  ///< probability of each of several maps, at rank 1; not in files
+  std::optional<ViewShares> shares{};    ///< at rank 1; in shares.csv instead of hypotheses.csv
 };
 
 /** \brief A column of hypotheses.csv, or the seven of a pose. Files, messages between processes,
@@ -86,7 +87,7 @@ struct ResultFrame {
 
 /** \brief Writes a results folder: hypotheses.csv, poses_tum.txt (the sure poses in the world; those
  * in the frame of another part of the map in poses_tum.part-NAME.txt),
- * covariances.csv (of the poses T_w_c of rank 1, whatever their state), timing.csv (all atomically, frames in
+ * covariances.csv and shares.csv (of rank 1, whatever its state), timing.csv (all atomically, frames in
  * the given order) and params.ini. */
 void writeResults(const std::filesystem::path& folder, const std::vector<FrameResult>& frames,
                   const std::string& params_ini);
@@ -112,7 +113,7 @@ private:
   void addPoses(const std::string& part, const std::string& lines);
 
   std::filesystem::path folder_;
-  GrowingFile timing_, covariances_, hypotheses_;
+  GrowingFile timing_, covariances_, shares_, hypotheses_;
   std::map<std::string, GrowingFile> poses_;  // keyed by file
 };
 /** \brief Is there a hypotheses.csv in it? */
@@ -126,6 +127,8 @@ std::vector<ResultRow> readHypotheses(const std::filesystem::path& folder, const
 /** \brief Reads covariances.csv by frame; empty if the file does not exist. */
 std::map<std::string, Matrix6d> readCovariances(const std::filesystem::path& folder,
                                                 const Remark& remark = {});
+/** \brief Reads shares.csv by frame; empty if the file does not exist. */
+std::map<std::string, ViewShares> readShares(const std::filesystem::path& folder, const Remark& remark = {});
 /** \brief Reads timing.csv; empty if the file does not exist. */
 std::vector<TimingRow> readTiming(const std::filesystem::path& folder, const Remark& remark = {});
 /** \brief The frames that are whole, by name and without their stamps, be it that the program that wrote them

@@ -305,6 +305,7 @@ Localization Localizer::Impl::localizeNear(const View& view, const PoseWithCovar
   list(near, out);
   out.searched = true;
   conclude(out);
+  out.shares = localization.shares(view, out);
   if (out.hypotheses.empty() && !found.reason.empty()) out.reason = found.reason;
   return out;
 }
@@ -337,6 +338,7 @@ Localization Localizer::Impl::answer(const Step& step) {
   if (!anyPose()) out.reason = "no local model of the map has a pose";
   track(out);
   if (out.began_anew) out.reason = step.anew;
+  out.shares = localization.shares(*step.view, out);
   return out;
 }
 
@@ -414,6 +416,7 @@ Localization Localizer::localize(const View& view) const {
   if (out.state == AnswerState::doubtful && !out.reason.empty())
     out.reason = out.hypotheses.front().probability >= impl_->min_probability ? kPlaceKnown + out.reason : "";
   out.searched = true;
+  out.shares = impl_->localization.shares(view, out);
   return out;
 }
 Localization Localizer::localize(const View& view, const PoseWithCovariance& T_w_c, int part) const {
@@ -450,6 +453,7 @@ std::vector<Localization> Localizer::smoothed(const std::vector<DriveView>& driv
       continue;  // nothing that comes later is known to be near
     by_all[i] = smoothedPlaces(drive[i].answer, from_here[i + 1], drive[i + 1].answer.T_before_now, prior);
     impl_->conclude(by_all[i]);
+    by_all[i].shares = impl_->localization.shares(drive[i].view, by_all[i]);
   }
   return by_all;
 }

@@ -293,6 +293,11 @@ Localization GlobalLocalization::localize(const View& view, const PoseWithCovari
   return answer;
 }
 
+std::optional<ViewShares> GlobalLocalization::shares(const View& view, const Localization& answer) const {
+  if (answer.hypotheses.empty()) return {};
+  return impl_->ranking.shares(view, answer.hypotheses.front());
+}
+
 PoseWithCovariance GlobalLocalization::prior(const View& view) const {
   return impl_->priorOf(view, differenceFrom(impl_->map->camera, view));
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace facetloc::internal {
 namespace {
@@ -40,7 +41,8 @@ std::vector<int> segmentsOfPixels(const View& view) {
 }
 
 struct Count {
-  int pixels = 0, judged = 0, gone = 0;
+  int pixels = 0, judged = 0;
+  std::vector<std::size_t> gone;
 };
 
 }  // namespace
@@ -77,19 +79,41 @@ SurfaceReview reviewSurfaces(const View& model, const std::vector<PosedPicture>&
     review.gone[i] = gone;
     if (segment_of[i] == kNone) continue;
     Count& count = counts[segment_of[i]];
-    ++count.pixels, count.judged += judged, count.gone += gone;
+    ++count.pixels, count.judged += judged;
+    if (gone) count.gone.push_back(i);
   }
   std::vector<char> is_gone(counts.size(), 0);
   for (std::size_t k = 0; k < counts.size(); ++k) {
-    const Count& c = counts[k];
+    Count& c = counts[k];
     if (c.judged < std::max<double>(kFewestPixels, kLeastJudged * c.pixels)) continue;
     ++review.judged_segments;
-    is_gone[k] = c.gone > kMostOfSegment * c.judged;
-    if (is_gone[k]) review.gone_segments.push_back(static_cast<int>(k));
+    is_gone[k] = static_cast<double>(c.gone.size()) > kMostOfSegment * c.judged;
+    if (!is_gone[k]) continue;
+    review.gone_segments.push_back(static_cast<int>(k));
+    review.gone_pixels_of.push_back(std::move(c.gone));
   }
   for (std::size_t i = 0; i < review.gone.size(); ++i)
     if (segment_of[i] != kNone) review.gone[i] = is_gone[segment_of[i]];
   return review;
+}
+
+std::vector<std::optional<double>> sharesLookedThrough(const DepthPicture& picture,
+                                                       const std::vector<std::size_t>& pixels,
+                                                       const std::vector<PosedPicture>& others,
+                                                       const DepthComparison& comparison) {
+  std::vector<std::optional<double>> shares(others.size());
+  const auto width = static_cast<std::size_t>(picture.camera.width);
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    if (others[k].picture->empty()) continue;
+    const DepthComparator judge(comparison, picture, *others[k].picture, others[k].T_w_c.inverse());
+    int through = 0, agree = 0;
+    for (const std::size_t i : pixels) {
+      const DepthLabel label = judge(static_cast<int>(i % width), static_cast<int>(i / width));
+      through += label == DepthLabel::contradict, agree += label == DepthLabel::agree;
+    }
+    if (through + agree > 0) shares[k] = through / double(through + agree);
+  }
+  return shares;
 }
 
 View withoutGone(const View& model, const SurfaceReview& review) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/image_run.h"
+#include "sessions/map_review.h"
 #include "sessions/map_update.h"
 #include "sessions/session_place.h"
 
@@ -45,6 +46,7 @@ struct MapSession::Impl {
   CameraTrajectory alongPoses(std::vector<UnreadImage>& unread);
   const CameraTrajectory& trajectory() const { return *findings.trajectory; }
   std::vector<SessionImage> images() const;
+  const MapReview& review();
 
   std::shared_ptr<const Map> map;
   MapUpdateParams params;
@@ -52,6 +54,8 @@ struct MapSession::Impl {
   MapFindings findings;
   std::vector<std::size_t> numbers;  // image numbers of the trajectory
   SessionPlace place;
+  std::vector<SessionImage> placed;         // images that have a place in the map
+  std::optional<const MapReview> reviewed;  // by these
 };
 
 /** Images with poses, at half the distance of local models. */
@@ -93,6 +97,13 @@ std::vector<SessionImage> MapSession::Impl::images() const {
   return images;
 }
 
+/** The evidence of the session about the map, made at the first request. */
+const MapReview& MapSession::Impl::review() {
+  if (reviewed) return *reviewed;
+  placed = images();
+  return reviewed.emplace(*map, placed, run.threads);
+}
+
 MapSession::MapSession(std::shared_ptr<const Map> map, const Camera& camera, const MapUpdateParams& params)
     : impl_(std::make_unique<Impl>(std::move(map), camera, params)) {}
 MapSession::MapSession(MapSession&&) noexcept = default;
@@ -119,6 +130,7 @@ void MapSession::findTrajectory() {
 
 const SessionPlace& MapSession::find() {
   Impl& m = *impl_;
+  m.reviewed.reset();
   if (!m.findings.trajectory) findTrajectory();
   const GlobalLocalization localization(m.map);
   m.place = m.run.hasPoses()
@@ -142,9 +154,12 @@ std::vector<TrajectoryPose> MapSession::poses() const {
   return poses;
 }
 
+std::vector<SurfaceChange> MapSession::changes() const { return impl_->review().changes(); }
+
 MapChanges MapSession::update(Map& map) const {
-  const Impl& m = *impl_;
-  return updateMap(map, m.images(), m.params.places, m.params.session, m.run.threads);
+  Impl& m = *impl_;
+  const MapReview& review = m.review();
+  return updateMap(map, m.placed, review, m.params.places, m.params.session);
 }
 
 }  // namespace facetloc

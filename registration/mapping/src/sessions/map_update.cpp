@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/map_update.h"
 
-#include "motion/view_placing.h"
 #include "nearby/view_alignment.h"
 #include "poses/pose_fusion.h"
-#include "sessions/free_space_violations.h"
-#include "threads/in_parallel.h"
 
 #include <facetloc/features/map_metadata.h>
 
@@ -22,112 +19,7 @@ using namespace internal;
 namespace {
 
 constexpr ViewReach kKnownReach{1, 30 * kDegree};  // reach of local models that make a place known [m]
-constexpr double kKnownShare = 0.8;     // confirmed share of the pixels of an image of a known place
-constexpr int kLooks = 2;               // places that must look through a surface before it counts as gone
-constexpr std::size_t kMostLooks = 16;  // nearest images that one local model is judged by
-constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
-constexpr double kTrustedAgreement =
-    0.6;  // agreement of an image with the map around it, below which it is misplaced
-constexpr double kConvincingAgreement = 0.92;  // agreement of an image whose place nothing else confirms
-constexpr int kFewestPixels = 60;              // that two views must have in common
-
-/** Aligned images are off by their noise, and errors of one surface are correlated: many pixels together
- * reveal smaller differences than one does. */
-DepthCalibration narrowComparison() {
-  DepthCalibration errors;
-  errors.absolute_error /= 2;
-  errors.relative_error /= 2;
-  return errors;
-}
-
-/** An image of the session as one local model has it. */
-struct Look {
-  std::size_t image;
-  Eigen::Isometry3d T_m_c;
-  DepthAgreement seen;
-};
-
-/** The session's evidence about the local models, which stay as they are. */
-class Review {
-public:
-  Review(const Map& map, const std::vector<SessionImage>& session, int threads)
-      : map_(map),
-        session_(session),
-        comparison_(DepthCalibration{}),
-        narrow_(narrowComparison()),
-        looks_(map.models.size()),
-        reviews_(map.models.size()) {
-    const int n = static_cast<int>(map.models.size());
-    forEachInParallel(n, threads, [&](int m) { looks_[m] = looksAt(m); });
-    trusted_ = trustedImages();
-    forEachInParallel(n, threads, [&](int m) {
-      std::vector<PosedPicture> others;
-      for (const Look& look : looks_[m])
-        if (trusted_[look.image]) others.push_back({&session_[look.image].view->depth, look.T_m_c});
-      reviews_[m] = reviewSurfaces(*map_.view(m), others, narrow_, kLooks);
-    });
-  }
-  const SurfaceReview& of(std::size_t model) const { return reviews_[model]; }
-  bool trusts(std::size_t image) const { return trusted_[image]; }
-
-private:
-  /** The nearest images from different places, each aligned with the local model by their common surfaces. */
-  std::vector<Look> looksAt(int m) const {
-    const LocalModel& model = map_.models[m];
-    const std::shared_ptr<const View> view = map_.view(m);
-    std::vector<std::pair<double, std::size_t>> near;
-    for (std::size_t i = 0; model.T_w_m && i < session_.size(); ++i) {
-      const double distance = viewDistance(*model.T_w_m, session_[i].T_w_c);
-      if (std::isfinite(distance)) near.emplace_back(distance, i);
-    }
-    std::sort(near.begin(), near.end());
-    Vector6d loose;
-    loose << Eigen::Vector3d::Constant(kLooseRotation), Eigen::Vector3d::Constant(kLoose);
-    const Matrix6d P = loose.cwiseAbs2().asDiagonal();
-    std::vector<Look> looks;
-    for (const auto& by_distance : near) {
-      if (looks.size() == kMostLooks) break;
-      const auto i = by_distance.second;
-      const Eigen::Isometry3d T_m_c = model.T_w_m->inverse() * session_[i].T_w_c;
-      const bool same = std::any_of(looks.begin(), looks.end(), [&](const Look& look) {
-        return kSameLook.joins(session_[look.image].T_w_c, session_[i].T_w_c);
-      });
-      if (same) continue;
-      Look look{i, T_m_c, agreement(m, i, T_m_c)};
-      const auto placed = placing_.place(*session_[i].view, *view, {T_m_c, P}, false);
-      if (placed && isNear(placed->T_a_b, T_m_c, 2 * kLoose, 2 * kLooseRotation / kDegree)) {
-        const DepthAgreement aligned = agreement(m, i, placed->T_a_b);
-        if (aligned.likelihood > look.seen.likelihood || look.seen.judged() < kFewestPixels)
-          look.T_m_c = placed->T_a_b, look.seen = aligned;
-      }
-      if (look.seen.judged() >= kFewestPixels) looks.push_back(look);
-    }
-    return looks;
-  }
-  DepthAgreement agreement(int m, std::size_t image, const Eigen::Isometry3d& T_m_c) const {
-    return comparison_.compareBoth(session_[image].view->depth, map_.view(m)->depth, T_m_c, kFineColumns);
-  }
-  /** An image that contradicts most of the map around it is in the wrong place, and does not count. */
-  std::vector<char> trustedImages() const {
-    std::vector<DepthAgreement> sums(session_.size());
-    for (const auto& of_model : looks_)
-      for (const Look& look : of_model) sums[look.image] += look.seen;
-    std::vector<char> trusted;
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-      const double least = session_[i].confirmed ? kTrustedAgreement : kConvincingAgreement;
-      trusted.push_back(sums[i].agree >= least * (sums[i].agree + sums[i].contradict));
-    }
-    return trusted;
-  }
-
-  const Map& map_;
-  const std::vector<SessionImage>& session_;
-  DepthComparison comparison_, narrow_;
-  ViewPlacing placing_;
-  std::vector<std::vector<Look>> looks_;
-  std::vector<char> trusted_;  // for each image: its pose is trusted
-  std::vector<SurfaceReview> reviews_;
-};
+constexpr double kKnownShare = 0.8;  // confirmed share of the pixels of an image of a known place
 
 /** Number of the pose that is nearest to another one; nothing if none has much in common with a view from
  * there. \param poseOf gives null for a pose that does not count */
@@ -147,7 +39,7 @@ std::optional<std::size_t> nearestOf(std::size_t n, const Eigen::Isometry3d& T, 
 class Update {
 public:
   Update(Map& map, const std::vector<SessionImage>& session, const MapBuilderParams& builder,
-         const MapSessionParams& params, const Review& review)
+         const MapSessionParams& params, const MapReview& review)
       : map_(map),
         session_(session),
         near_(builder),
@@ -183,7 +75,6 @@ public:
       if (left.segments.empty()) {
         removed_[m] = true;
         changes_.retired.push_back(model.name);
-        changes_.T_w_old.push_back(*model.T_w_m);
       } else {
         model.setView(std::move(left));
         edited_[m] = true;
@@ -216,11 +107,8 @@ public:
   }
 
   MapChanges finish() {
-    for (std::size_t m = 0; m < edited_.size(); ++m) {
-      if (!edited_[m] || fresh_[m]) continue;
-      changes_.edited.push_back(map_.models[m].name);
-      changes_.T_w_edited.push_back(*map_.models[m].T_w_m);
-    }
+    for (std::size_t m = 0; m < edited_.size(); ++m)
+      if (edited_[m] && !fresh_[m]) changes_.edited.push_back(map_.models[m].name);
     removeModels(removed_, map_);
     if (changes_.any()) {
       map_.ambiguity.reset();
@@ -281,12 +169,10 @@ private:
     for (int k = 2; !names_.insert(name).second; ++k) name = fmt::format("{}_{}", image.name, k);
     View view = *image.view;
     view.camera.reset();  // the map's
-    changes_.T_w_new.push_back(image.T_w_c);
     return {name, image.stamp, image.T_w_c, std::move(view)};
   }
   void replace(std::size_t m, std::size_t i) {
     fresh_[m] = true;
-    changes_.T_w_old.push_back(*map_.models[m].T_w_m);
     LocalModel model = modelOf(i);
     changes_.replaced.push_back({map_.models[m].name, model.name});
     map_.models[m] = std::move(model);
@@ -302,7 +188,7 @@ private:
   MapBuilderParams near_;
   MapBuilder builder_;
   MapSessionParams params_;
-  const Review& review_;  // made before any change
+  const MapReview& review_;  // made before any change
   DepthComparison comparison_;
   std::vector<bool> used_;     // images that become no local model any more
   std::vector<char> removed_;  // local models
@@ -331,11 +217,10 @@ void internal::removeModels(const std::vector<char>& removed, Map& map) {
   map.links = std::move(links);
 }
 
-MapChanges internal::updateMap(Map& map, const std::vector<SessionImage>& session,
-                               const MapBuilderParams& builder, const MapSessionParams& params, int threads) {
+MapChanges internal::updateMap(Map& map, const std::vector<SessionImage>& session, const MapReview& review,
+                               const MapBuilderParams& builder, const MapSessionParams& params) {
   checkRanges(params);
   if (map.store()) throw std::invalid_argument("a map is updated in memory: read it with readMap()");
-  const Review review(map, session, threads);
   Update update(map, session, builder, params, review);
   update.retire();
   update.add();

@@ -49,6 +49,21 @@ struct SessionPlace {
   std::string toString() const;
 };
 
+/** \brief A surface of the map that is gone, or one that has come. Coordinates are of the part of the map. */
+struct SurfaceChange {
+  enum class Kind { removed, added } kind = Kind::removed;
+  double area = 0;         ///< [m^2]
+  double probability = 0;  ///< METHOD 1.6
+  std::size_t looks = 0;   ///< images of the session, or local models for a new surface, that tell
+  int part = 0;            ///< of the map
+  std::string seen_by;     ///< local model, or image of the session, that shows most of it
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< towards the cameras that saw it
+  std::vector<Eigen::Vector3d> outline;  ///< convex, clockwise as these cameras see it [m]
+
+  const char* name() const { return kind == Kind::removed ? "removed" : "new"; }
+};
+
 /** \brief The changes of a map by a session. Local models by their names. */
 struct MapChanges {
   struct Replacement {
@@ -61,8 +76,6 @@ struct MapChanges {
   std::size_t seen = 0;              ///< local models that the session has seen again
   std::size_t surfaces = 0;          ///< segments of local models that are gone
   std::size_t of_surfaces = 0;       ///< number of segments that the session has observed
-  std::vector<Eigen::Isometry3d> T_w_new, T_w_old,
-      T_w_edited;  ///< poses of local models that were added, removed or edited
 
   /** \brief "2 local models added, 1 replaced, 0 retired, 3 without moved surfaces". */
   std::string toString() const;
@@ -117,6 +130,10 @@ public:
   /** \brief The images whose place in the map is known, with their poses there. */
   std::vector<TrajectoryPose> poses() const;
 
+  /** \brief What has changed since the map was made, where the session has looked: surfaces of the map that
+   * several images look through, the largest first, then new ones where several local models look through.
+   * The removed ones are those that update() retires. */
+  std::vector<SurfaceChange> changes() const;
   /** \brief Brings a map up to date: surfaces that several images of the session have looked through retire,
    * local models that have lost much are replaced, and places that no local model shows become new ones
    * (METHOD 1.6). Its ambiguity is unknown afterwards if anything has changed.
