@@ -134,7 +134,8 @@ TEST(PoseStream, UnknownValuesAreNull) {
   result.rows = {row};
   const Json::Value answer = parsed(toJson(result, CameraMounting{1, 0}));
   expectBySchema(answer);
-  for (const char* key : {"T_w_c", "T_w_b", "covariance", "model", "shares"}) EXPECT_TRUE(answer[key].isNull()) << key;
+  for (const char* key : {"T_w_c", "T_w_b", "covariance", "model", "shares"})
+    EXPECT_TRUE(answer[key].isNull()) << key;
   EXPECT_EQ(answer["state"].asString(), "unknown");
   EXPECT_EQ(answer["probability"].asDouble(), 0);
   EXPECT_EQ(answer["reason"].asString(), "nothing agrees");

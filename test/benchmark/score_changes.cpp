@@ -133,7 +133,7 @@ std::vector<Change> changesOf(const fs::path& path) {
   return changes;
 }
 
-/** What only one of two worlds has. */
+/** The things that only the first of two worlds has. */
 SimulatedWorld onlyIn(const SimulatedWorld& world, const SimulatedWorld& other) {
   SimulatedWorld only;
   for (const Rectangle& r : world.rectangles)
@@ -165,7 +165,7 @@ void score(const std::string& kind, const SimulatedWorld& moved, const std::vect
            const std::vector<Look>& others, const std::vector<Change>& changes) {
   double knowable = 0, known = 0, listed = 0, right = 0;
   for (const Rectangle& r : moved.rectangles) {
-    if (r.material != Material::matt) continue;
+    if (r.material == Material::glass) continue;
     for (double u = kSpacing / 2 - r.half_u; u < r.half_u; u += kSpacing)
       for (double v = kSpacing / 2 - r.half_v; v < r.half_v; v += kSpacing) {
         const Eigen::Vector3d p = r.centre + r.axis_u * u + r.axis_v * v;

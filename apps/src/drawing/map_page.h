@@ -45,10 +45,13 @@ struct PageAnswer {
 struct MapPage {
   std::string title;
   std::vector<DrawnRun> runs;
-  std::vector<PageAnswer> answers;  ///< Sorted by time.
-  Findings findings;                ///< about the recordings and their localization
-  std::vector<OwnView> own_views;   ///< answers for the map's own images, which colour its local models
+  std::vector<PageAnswer> answers;     ///< Sorted by time.
+  Findings findings;                   ///< about the recordings and their localization
+  std::vector<OwnView> own_views;      ///< answers for the map's own images, which colour its local models
   std::vector<SurfaceChange> changes;  ///< surfaces that are gone or new
+  /** \brief Draws the depth of a view as a JPEG of about that width, depthThumbnail() in programs that have
+   * VTK; without it, there are no pictures. */
+  std::string (*thumbnail)(const View& view, int width) = nullptr;
   /** \brief The view of an answer's image, to show it and its matched local model; may be empty, and return
    * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;
@@ -59,10 +62,10 @@ constexpr int kMostLinks = 30;
 
 /** \brief Writes a page for browsers, one file that needs no network, atomically: the segments of all local
  * models as polygons coloured by direction, the local models, links, runs, and answers with 95 % ellipsoids,
- * and changed surfaces, to turn, zoom and click. Names are text there, whatever is in them. Pictures and matches share about 1 MB:
- * where images are many, pictures are smaller, then fewer; of more than 40 000 segments the largest are
- * drawn. Throws IoError if no local model of the map has a pose, or the page cannot be written;
- * std::runtime_error if facetloc was built without three.js. */
+ * and changed surfaces, to turn, zoom and click. Names are text there, whatever is in them. Pictures and
+ * matches share about 1 MB: where images are many, pictures are smaller, then fewer; of more than 40 000
+ * segments the largest are drawn. Throws IoError if no local model of the map has a pose, or the page cannot
+ * be written; std::runtime_error if facetloc was built without three.js. */
 void writeMapPage(const std::filesystem::path& path, const Map& map, const MapPage& page);
 /** \brief Its data, for apps/pages/map.js. Throws IoError, with the name of the page that was to be, if no
  * local model of the map has a pose. */

@@ -181,7 +181,7 @@ private:
   ImageTrajectory by_images_;
 };
 
-/** facetloc_map changes: what a later session finds gone or new. */
+/** facetloc_map changes: surfaces that a later session finds gone or new. */
 class MapChangesApp : public MapSessionApp {
 public:
   MapChangesApp()

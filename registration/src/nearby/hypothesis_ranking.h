@@ -120,7 +120,7 @@ public:
   void stateAsShown(const View& scene, const std::function<PoseWithCovariance(int model)>& prior_of,
                     std::vector<Hypothesis>& hypotheses) const;
 
-  /** \brief What a scene shows, hides and lacks of the views near a hypothesis; nothing where none of them
+  /** \brief The shares of a scene and of the views near a hypothesis; nothing where none of these
    * has depth there. */
   std::optional<ViewShares> shares(const View& scene, const Hypothesis& h) const;
 

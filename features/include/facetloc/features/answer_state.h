@@ -55,12 +55,12 @@ constexpr std::optional<AnswerState> answerStateOf(std::string_view name) {
   return {};
 }
 
-/** \brief What the depth of a view says about the surfaces of the map at its place: shares of the pixels near
- * enough to be compared, of which the first three sum to 1, and a share of the map. */
+/** \brief The surfaces of a view by its depth, against those of the map at its place: shares of the pixels
+ * near enough to be compared, of which the first three sum to 1, and a share of the map. */
 struct ViewShares {
   double explained = 0;  ///< pixels on surfaces of the map
   double hiding = 0;     ///< pixels in front of surfaces of the map, which they hide
-  double fresh = 0;      ///< all others: they show what the map has not seen
+  double fresh = 0;      ///< all others, where the map has seen nothing
   double missing = 0;    ///< pixels of the local models, within the view, that it looks through
 
   /** \brief Each share with its name in files, the stream, pages and Python. */

@@ -62,7 +62,7 @@ public:
    * place nor give evidence of one. Large data are shared. */
   GlobalLocalization without(std::function<bool(int model)> absent) const;
 
-  /** \brief What a view shows, hides and lacks of the map at the first place of an answer. */
+  /** \brief The shares of a view and of the map at the first place of an answer. */
   std::optional<ViewShares> shares(const View& view, const Localization& answer) const;
 
   /** \brief Prior of the pose of a view relative to each local model, from the mounting of its camera. */

@@ -15,7 +15,7 @@ struct SurfaceReview {
   std::vector<char> gone;  ///< for each pixel of its depth picture: it is looked through
   int judged = 0;          ///< pixels that a later view agrees with or looks through
   int gone_pixels = 0;
-  std::vector<int> gone_segments;  ///< indices, ascending
+  std::vector<int> gone_segments;                        ///< indices, ascending
   std::vector<std::vector<std::size_t>> gone_pixels_of;  ///< for each gone segment: those looked through
   int judged_segments = 0;
 

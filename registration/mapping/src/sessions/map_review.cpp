@@ -38,7 +38,7 @@ DepthCalibration narrowComparison() {
   return errors;
 }
 
-/** What views say about a surface: for each, the share of its pixels that it looks through. */
+/** The votes of views on a surface: for each view, the share of its pixels that it looks through. */
 struct Votes {
   struct Vote {
     double through = 0, all = 0;  // weighed by area [m^2]

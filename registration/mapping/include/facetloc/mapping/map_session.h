@@ -57,9 +57,9 @@ struct SurfaceChange {
   std::size_t looks = 0;   ///< images of the session, or local models for a new surface, that tell
   int part = 0;            ///< of the map
   std::string seen_by;     ///< local model, or image of the session, that shows most of it
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   ///< [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< towards the cameras that saw it
-  std::vector<Eigen::Vector3d> outline;  ///< convex, clockwise as these cameras see it [m]
+  std::vector<Eigen::Vector3d> outline;               ///< convex, clockwise as these cameras see it [m]
 
   const char* name() const { return kind == Kind::removed ? "removed" : "new"; }
 };
@@ -130,7 +130,7 @@ public:
   /** \brief The images whose place in the map is known, with their poses there. */
   std::vector<TrajectoryPose> poses() const;
 
-  /** \brief What has changed since the map was made, where the session has looked: surfaces of the map that
+  /** \brief The changes since the map was made, where the session has looked: surfaces of the map that
    * several images look through, the largest first, then new ones where several local models look through.
    * The removed ones are those that update() retires. */
   std::vector<SurfaceChange> changes() const;
