@@ -7,6 +7,8 @@
 #include <fmt/core.h>
 #include <map>
 #include <mutex>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace facetloc {

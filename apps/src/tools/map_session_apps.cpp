@@ -144,7 +144,7 @@ protected:
 
   std::string map_, sequence_, poses_;
   DepthInput input_;
-  int code_ = kOk;  // of the trajectory
+  int code_ = kOk;  // exit code by the trajectory
 
 private:
   /** Throws IoError for poses that cannot be matched with the images. */

@@ -36,7 +36,7 @@ struct ResultRow {
   std::string part;
   std::optional<double> not_in_map;      ///< empty without probabilities, and in older results
   std::map<std::string, double> maps{};  ///< probability of each of several maps, at rank 1; not in files
-  std::optional<ViewShares> shares{};    ///< at rank 1; in shares.csv instead of hypotheses.csv
+  std::optional<ViewShares> shares{};    ///< shares of rank 1; in shares.csv instead of hypotheses.csv
 };
 
 /** \brief A column of hypotheses.csv, or the seven of a pose. Files, messages between processes,

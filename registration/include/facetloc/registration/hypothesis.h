@@ -55,12 +55,13 @@ struct Localization {
   /** \brief Probability that the map lacks the place: 1 minus those of all hypotheses. Empty with
    * score.by_overlap, whose scores have no probabilities. */
   std::optional<double> not_in_map = 1;
-  std::optional<ViewShares> shares;  ///< by Localizer, at the first place; empty where no depth tells
-  std::string reason;                ///< why it is not sure; empty if it is
-  bool searched = false;             ///< the whole map, which takes its time
-  CameraDifference camera;           ///< how the view's camera differs from the map's
-  bool has_probabilities = true;     ///< false if scores are overlaps, whose probabilities mean nothing
-  bool fixes_pose = true;            ///< the covariance of the first pose is within PoseLimits
+  std::optional<ViewShares>
+      shares;                     ///< shares of a Localizer, at the first place; empty where no depth tells
+  std::string reason;             ///< why it is not sure; empty if it is
+  bool searched = false;          ///< the whole map, which takes its time
+  CameraDifference camera;        ///< how the view's camera differs from the map's
+  bool has_probabilities = true;  ///< false if scores are overlaps, whose probabilities mean nothing
+  bool fixes_pose = true;         ///< the covariance of the first pose is within PoseLimits
 
   /** \name Of a moving camera. */
   /// @{

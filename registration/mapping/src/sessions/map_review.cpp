@@ -27,7 +27,7 @@ constexpr double kOneSurface = 0.1;             // largest distance between two 
 constexpr double kOneDirection = 15 * kDegree;  // largest angle between these
 constexpr double kCell = 0.05;                  // side of the cells by which surfaces are the same [m]
 constexpr double kReported = 0.5;               // least probability of a change
-constexpr std::size_t kCorners = 24;            // of an outline, at most
+constexpr std::size_t kCorners = 24;            // most that an outline has
 
 /** Aligned images are off by their noise, and errors of one surface are correlated: many pixels together
  * reveal smaller differences than one does. */
@@ -67,9 +67,9 @@ struct ChangedPiece {
   SurfaceChange::Kind kind;
   int part;
   const std::string* seen_by;
-  Segment plane;                                           // in the frame of the part
+  Segment plane;                                           // frame: the part
   std::vector<std::pair<Eigen::Vector3d, double>> points;  // that have changed, each with its area [m^2]
-  double area = 0;                                         // of all of these [m^2]
+  double area = 0;                                         // sum over all points [m^2]
   Votes free, stands;  // whether its place is free in the other time, and does not stay in its own
 
   ChangedPiece(SurfaceChange::Kind of_kind, int of_part, const std::string& name,

@@ -55,7 +55,7 @@ struct MapSession::Impl {
   std::vector<std::size_t> numbers;  // image numbers of the trajectory
   SessionPlace place;
   std::vector<SessionImage> placed;         // images that have a place in the map
-  std::optional<const MapReview> reviewed;  // by these
+  std::optional<const MapReview> reviewed;  // once asked for
 };
 
 /** Images with poses, at half the distance of local models. */

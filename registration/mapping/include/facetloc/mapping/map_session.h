@@ -55,7 +55,7 @@ struct SurfaceChange {
   double area = 0;         ///< [m^2]
   double probability = 0;  ///< METHOD 1.6
   std::size_t looks = 0;   ///< images of the session, or local models for a new surface, that tell
-  int part = 0;            ///< of the map
+  int part = 0;            ///< index of the part of the map
   std::string seen_by;     ///< local model, or image of the session, that shows most of it
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();   ///< [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< towards the cameras that saw it
