@@ -4,11 +4,11 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build ccache
-          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libtiff-dev libdeflate-dev liblz4-dev libzstd-dev libbz2-dev
+          libpcl-dev libboost-program-options-dev libsqlite3-dev libpng-dev libjpeg-dev libtiff-dev libdeflate-dev liblz4-dev libzstd-dev libbz2-dev
           libfmt-dev libjsoncpp-dev libyaml-cpp-dev libceres-dev libembree-dev libopenmpi-dev openmpi-bin libjs-three libjs-chart.js
           python3-dev pybind11-dev python3-numpy python3-pytest python3-matplotlib python3-pil
           libgtest-dev libgmock-dev libbenchmark-dev
-          xvfb xauth)
+          help2man xvfb xauth)
 packages+=("$@")  # more packages by name, such as clang-format
 
 missing=()

@@ -1,19 +1,22 @@
 #!/usr/bin/env bash
-# The Debian packages on a bare Debian 12: what the tools bring along, and that the Python package and the tools localize alike.
+# A release (cmake/release.sh) on a bare Debian 12: what the packages bring along, that the Python package and the tools have the same
+# answers, that the wheel has the answers of the packages, and the time from nothing to the first report.
 #
-#   test/packages.sh FOLDER_OF_PACKAGES [MAP.flmap RECORDING]     as root; takes minutes and 2 GB in the folder for temporary files
+#   test/packages.sh RELEASE [MAP.flmap RECORDING]     as root; takes minutes and 4 GB in the folder for temporary files
 #
 # Without MAP and RECORDING, a simulated room is mapped. FACETLOC_DEBIAN names a debootstrapped folder to use (it is copied).
+# FACETLOC_FROM_SOURCE=1 builds from source there as well, for half an hour.
 set -euo pipefail
 
-packages=$(realpath "$1")
+release=$(realpath "$1")
+repository=$(cd "$(dirname "$0")/.." && pwd)
 map=${2:+$(realpath "$2")}
 recording=${3:+$(realpath "$3")}
 [ "$(id -u)" -eq 0 ] || { echo "packages: run as root, for chroot" >&2; exit 1; }
 work=$(mktemp -d)
 root=$work/debian
 leave() {
-  umount "$root/proc" 2>/dev/null || true
+  umount "$work"/*/proc 2>/dev/null || true
   rm -rf --one-file-system "$work"
 }
 trap leave EXIT
@@ -27,26 +30,47 @@ else
            grep -oE 'https?://[^ ]+' | head -1 || true)
   debootstrap --variant=minbase bookworm "$root" "${mirror:-http://deb.debian.org/debian}" >"$work/log" || { tail "$work/log" >&2; exit 1; }
 fi
-mount -t proc proc "$root/proc" 2>/dev/null || true  # which a container may forbid
-mkdir -p "$root/packages"
-cp "$packages"/*.deb "$root/packages"
+mkdir -p "$root/release"
+cp -r "$release"/. "$root/release"
 inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
-install_() { inside sh -c "apt-get install -y -qq --no-install-recommends $* >/tmp/apt.log 2>&1 || { tail /tmp/apt.log >&2; exit 1; }"; }
+install_() { inside sh -c "apt-get install -y -qq $* >/tmp/apt.log 2>&1 || { tail /tmp/apt.log >&2; exit 1; }"; }
+echo 'deb [trusted=yes] file:/release/apt ./' >"$root/etc/apt/sources.list.d/facetloc.list"
 inside apt-get update -qq
+
+# A second of it, and a third, as bare as the first.
+for other in wheel ${FACETLOC_FROM_SOURCE:+source}; do cp -a "$root" "$work/$other"; done
+for each in "$work"/*/; do mount -t proc proc "$each/proc" 2>/dev/null || true; done  # which a container may forbid
+
+# WHAT COMMAND...: prints the seconds that a command takes.
+timed() {
+  local what=$1 begin=$EPOCHREALTIME
+  shift
+  "$@" || return
+  awk -v b="$begin" -v e="$EPOCHREALTIME" -v what="$what" 'BEGIN { printf "%-40s %6.1f s\n", what, e - b }'
+}
+# HOW TOOLS: from the tools to the first report.
+first_report() {
+  timed "$1: sample recordings" inside "$2facetloc_simulate" room -o /walk --frames 60 --width 320 --quiet
+  timed "$1: facetloc try" inside "$2facetloc" try /walk/map /walk/query -o /tried >"$root/try.log" 2>&1 || { cat "$root/try.log" >&2; exit 1; }
+  tail -1 "$root/try.log"
+  for page in report.html map.html; do [ -s "$root/tried/$page" ] || { echo "packages: $1: no $page" >&2; exit 1; }; done
+}
 
 # What a package would bring, without what it must not.
 brings() {  # PACKAGE...
   inside sh -c "apt-get install --simulate --no-install-recommends $* | sed -n 's/^Inst \([^ ]*\).*/\1/p'"
 }
-tools=$(brings "/packages/libfacetloc0.3_*.deb" "/packages/facetloc-tools_*.deb")
+tools=$(brings facetloc-tools)
 echo "facetloc-tools brings $(wc -l <<<"$tools") packages"
 if grep -E '^(lib)?(qt|vtk|openmpi|mpich|pcl-io|pcl-visualization)|^libx11-6$' <<<"$tools"; then
   echo "packages: facetloc-tools brings these along" >&2
   exit 1
 fi
-echo "facetloc-tools-gui brings $(brings "/packages/*.deb" | wc -l) packages, with all others of ours"
+echo "facetloc-tools-gui brings $(brings "/release/apt/*.deb" | wc -l) packages, with all others of ours"
 
-install_ "/packages/libfacetloc0.3_*.deb" "/packages/facetloc-tools_*.deb" "/packages/python3-facetloc_*.deb"
+timed 'packages: download' install_ --download-only facetloc-tools-gui python3-facetloc
+timed 'packages: apt install' install_ facetloc-tools-gui python3-facetloc
+first_report packages ''
 echo "installed: $(inside sh -c 'du -sxm / 2>/dev/null' | cut -f1) MB in all"
 mkdir "$root/data"
 if [ -z "$map" ]; then
@@ -83,5 +107,28 @@ assert not best, "images that Python has not seen"
 print(f"{len(recording)} images, {sure} sure: Python has the answers of facetloc_localize")
 PYTHON
 inside python3 /data/localize.py
+
+# The wheel, where Python and NumPy are and nothing else.
+root=$work/wheel
+if python3 -m zipfile -l "$root"/release/*.whl | grep -iE 'vtk|qt|mpi|libX11|pcl_(io|visualization)'; then
+  echo "packages: the wheel has these inside" >&2
+  exit 1
+fi
+timed 'wheel: apt install python3 NumPy venv' install_ --no-install-recommends python3 python3-numpy python3-venv
+timed 'wheel: pip install' inside sh -c 'python3 -m venv --system-site-packages /venv && /venv/bin/pip install --quiet --no-index /release/*.whl'
+first_report wheel /venv/bin/
+cmp "$work/debian/tried/results/hypotheses.csv" "$root/tried/results/hypotheses.csv"
+cp -r "$work/debian/data" "$root"
+inside /venv/bin/python /data/localize.py
+
+# From a clone.
+if [ -n "${FACETLOC_FROM_SOURCE:-}" ]; then
+  root=$work/source
+  mkdir "$root/facetloc"
+  git -C "$repository" archive HEAD | tar x -C "$root/facetloc"
+  timed 'source: dependencies' inside sh -c 'cd /facetloc && cmake/install_dependencies.sh'
+  timed 'source: build' inside sh -c 'cd /facetloc && cmake -G Ninja -B build -DFACETLOC_BUILD_TESTS=OFF >/dev/null && cmake --build build >/dev/null'
+  first_report source /facetloc/build/apps/
+fi
 
 echo "packages: all is well"

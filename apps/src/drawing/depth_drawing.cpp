@@ -3,14 +3,12 @@
 
 #include <facetloc/registration/calibration.h>
 
-#include <vtkImageData.h>
-#include <vtkJPEGWriter.h>
-#include <vtkNew.h>
-#include <vtkUnsignedCharArray.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <jpeglib.h>  // which needs <cstdio>
 #include <limits>
 
 namespace facetloc {
@@ -94,16 +92,34 @@ LabelImage smoothed(const LabelImage& labels) {
   return out;
 }
 
-/** The first channel of a picture. */
-vtkNew<vtkImageData> greyImage(const Raster<std::uint8_t>& rgb) {
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(rgb.width, rgb.height, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
-  for (int v = 0; v < rgb.height; ++v)
-    for (int u = 0; u < rgb.width; ++u)
-      *static_cast<std::uint8_t*>(image->GetScalarPointer(u, rgb.height - 1 - v, 0)) =
-          rgb.data[(static_cast<std::size_t>(v) * rgb.width + u) * rgb.channels];
-  return image;
+/** The first channel of a picture as a grey progressive JPEG. */
+std::string greyJpeg(const Raster<std::uint8_t>& picture, int quality) {
+  jpeg_compress_struct jpeg;
+  jpeg_error_mgr errors;
+  jpeg.err = jpeg_std_error(&errors);  // ends the process without memory: nothing else can fail
+  jpeg_create_compress(&jpeg);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &bytes, &size);
+  jpeg.image_width = static_cast<JDIMENSION>(picture.width);
+  jpeg.image_height = static_cast<JDIMENSION>(picture.height);
+  jpeg.input_components = 1;
+  jpeg.in_color_space = JCS_GRAYSCALE;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_quality(&jpeg, quality, TRUE);
+  jpeg_simple_progression(&jpeg);
+  jpeg_start_compress(&jpeg, TRUE);
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(picture.width));
+  for (const std::uint8_t* pixel = picture.data.data(); jpeg.next_scanline < jpeg.image_height;) {
+    for (std::uint8_t& grey : row) grey = *pixel, pixel += picture.channels;
+    JSAMPROW line = row.data();
+    jpeg_write_scanlines(&jpeg, &line, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  jpeg_destroy_compress(&jpeg);
+  std::string text(bytes, bytes + size);
+  std::free(bytes);
+  return text;
 }
 
 }  // namespace
@@ -202,14 +218,7 @@ std::string depthThumbnail(const View& view, int width) {
   const Raster<std::uint8_t> grey = greyDepth(depthOf(view));
   const int factor = std::max(1, grey.width / std::max(1, width));
   if (grey.width < factor || grey.height < factor) return {};
-  vtkNew<vtkJPEGWriter> writer;
-  writer->SetInputData(greyImage(averaged(grey, factor)));
-  writer->WriteToMemoryOn();
-  writer->SetQuality(60);
-  writer->Write();
-  const vtkUnsignedCharArray* bytes = writer->GetResult();
-  const auto* first = const_cast<vtkUnsignedCharArray*>(bytes)->GetPointer(0);
-  return std::string(first, first + bytes->GetNumberOfValues());
+  return greyJpeg(averaged(grey, factor), 60);
 }
 
 }  // namespace facetloc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "drawing/page.h"
+#include "drawing/box.h"
 #include "drawing/pictures.h"
 
 #include <facetloc/features/local_model.h>
@@ -59,15 +59,7 @@ constexpr double kLeastExtent = 0.5;
 /** \brief Scale of a plan that is to fill a box. */
 double pixelsPerMetreFor(const Eigen::AlignedBox2d& extent, double width, double height);
 
-/** \brief A segment from above, the darker the taller. \param from, to on the page. */
-void drawWall(Page& page, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double height);
 /** \brief Height from which on a segment is drawn darkest [m]. */
 constexpr double kTallestWall = 1.5;
-
-/** \brief A needle that points where a camera looks; none if that is straight up or down.
- * \param at on the page \param ahead its direction in the plan */
-void drawHeading(Page& page, const Eigen::Vector2d& at, const Eigen::Vector2d& ahead, double length,
-                 const Pen& pen);
-void drawCross(Page& page, const Eigen::Vector2d& at, const Colour& colour);
 
 }  // namespace facetloc

@@ -7,6 +7,10 @@
 
 namespace facetloc {
 
+/** \brief Why a build without VTK, which has pages in their place, draws no pictures. */
+constexpr const char* kWithoutVtk =
+    "this build has no VTK to draw them; facetloc-tools-gui of Debian 12, and builds from source, have";
+
 /** \brief Can the X server that DISPLAY names be reached? */
 bool displayUsable();
 

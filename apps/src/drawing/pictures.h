@@ -108,6 +108,10 @@ void drawMatches(const std::filesystem::path& path, const SeenImage& query, cons
 Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,
                                     const std::vector<DrawnMatch>& answers);
 
+/** \brief Several pictures in one, reduced, two beside each other, each with its title. */
+Raster<std::uint8_t> contactSheet(const std::vector<Raster<std::uint8_t>>& pictures,
+                                  const std::vector<std::string>& titles);
+
 /** \brief Throws std::invalid_argument for an image without pixels or with labels of another size. */
 void checkDrawable(const SeenImage& image);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/floor_plan.h"
+#include "drawing/plan_marks.h"
 
 #include <algorithm>
 #include <cmath>

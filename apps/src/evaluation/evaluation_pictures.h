@@ -67,8 +67,4 @@ struct Failure {
 std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,
                                   const Map& map, bool relative = false);
 
-/** \brief Several pictures in one, reduced, two beside each other, each with its title. Needs a display. */
-Raster<std::uint8_t> contactSheet(const std::vector<Raster<std::uint8_t>>& pictures,
-                                  const std::vector<std::string>& titles);
-
 }  // namespace facetloc

@@ -2,6 +2,7 @@
 #include "tools/drawn_map.h"
 
 #include "base/text.h"
+#include "drawing/offscreen_display.h"
 #include "outputs/provenance.h"
 
 #include <facetloc/io/error.h>
@@ -50,6 +51,7 @@ int runProgram(const fs::path& program, const std::vector<std::string>& argument
 
 DrawnMap::DrawnMap(fs::path picture) : picture_(std::move(picture)) {
   requireNoneButPicture(picture_);
+  if (!FACETLOC_WITH_VTK) throw IoError(picture_.string(), std::string("cannot be drawn: ") + kWithoutVtk);
   const auto renderer = findTool("facetloc_render");
   if (!renderer)
     throw IoError(
