@@ -15,8 +15,6 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
 SOURCE = pathlib.Path(__file__).resolve().parent
-TOOLS = ["facetloc"] + ["facetloc_" + tool for tool in
-                        ("check", "convert", "evaluate", "localize", "map", "register", "render", "segment", "simulate")]
 # Of every Linux of this glibc or a later one (PEP 600). All others are taken along.
 SYSTEM = {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1", "libgcc_s.so.1", "libstdc++.so.6"}
 
@@ -25,7 +23,7 @@ class CMakeBuild(build_ext):
     """Programs in facetloc/bin and libraries in facetloc/lib, each found from where the other is."""
 
     def run(self):
-        build, prefix = os.path.abspath(self.build_temp), pathlib.Path(self.build_lib).resolve()
+        build, prefix = SOURCE / "build-wheel", pathlib.Path(self.build_lib).resolve()
         package = prefix / "facetloc"
         defines = {"CMAKE_BUILD_TYPE": "Release", "FACETLOC_WITH_VTK": "OFF", "FACETLOC_WITH_MPI": "OFF", "FACETLOC_BUILD_TESTS": "OFF",
                    "FACETLOC_BUILD_PYTHON": "ON", "FACETLOC_PYTHON": sys.executable, "FACETLOC_PYTHON_DIR": ".",
@@ -65,5 +63,4 @@ def take_libraries(package):
 
 setup(version=re.search(r"project\(facetloc VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text(encoding="utf-8"))[1],
       ext_modules=[Extension("facetloc._facetloc", [])], cmdclass={"build_ext": CMakeBuild},
-      entry_points={"console_scripts": [f"{tool} = facetloc._tools:run" for tool in TOOLS]},
       options={"bdist_wheel": {"plat_name": "manylinux_" + platform.libc_ver()[1].replace(".", "_") + "_" + platform.machine()}})

@@ -120,6 +120,9 @@ first_report wheel /venv/bin/
 cmp "$work/debian/tried/results/hypotheses.csv" "$root/tried/results/hypotheses.csv"
 cp -r "$work/debian/data" "$root"
 inside /venv/bin/python /data/localize.py
+mkdir "$root/documents"
+cp -r "$repository"/{README.md,apps,test/first_minutes} "$root/documents"
+inside python3 /documents/first_minutes/recording.py /venv /documents
 
 # From a clone.
 if [ -n "${FACETLOC_FROM_SOURCE:-}" ]; then
