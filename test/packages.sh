@@ -32,7 +32,7 @@ else
 fi
 mkdir -p "$root/release"
 cp -r "$release"/. "$root/release"
-inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
+inside() { chroot "$root" env -u TMPDIR DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
 install_() { inside sh -c "apt-get install -y -qq $* >/tmp/apt.log 2>&1 || { tail /tmp/apt.log >&2; exit 1; }"; }
 echo 'deb [trusted=yes] file:/release/apt ./' >"$root/etc/apt/sources.list.d/facetloc.list"
 inside apt-get update -qq

@@ -9,7 +9,7 @@ namespace facetloc {
 
 /** \brief Why a build without VTK, which has pages in their place, draws no pictures. */
 constexpr const char* kWithoutVtk =
-    "this build has no VTK to draw them; facetloc-tools-gui of Debian 12, and builds from source, have";
+    "this build is without VTK, which draws them; the package facetloc-tools-gui has it";
 
 /** \brief Can the X server that DISPLAY names be reached? */
 bool displayUsable();
