@@ -33,7 +33,7 @@ fi
 mkdir -p "$root/release"
 cp -r "$release"/. "$root/release"
 inside() { chroot "$root" env -u TMPDIR DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
-install_() { inside sh -c "apt-get install -y -qq $* >/tmp/apt.log 2>&1 || { tail /tmp/apt.log >&2; exit 1; }"; }
+install_() { inside sh -c "apt-get install -y -qq --no-install-recommends $* >/tmp/apt.log 2>&1 || { tail /tmp/apt.log >&2; exit 1; }"; }
 echo 'deb [trusted=yes] file:/release/apt ./' >"$root/etc/apt/sources.list.d/facetloc.list"
 inside apt-get update -qq
 
@@ -68,8 +68,8 @@ if grep -E '^(lib)?(qt|vtk|openmpi|mpich|pcl-io|pcl-visualization)|^libx11-6$' <
 fi
 echo "facetloc-tools-gui brings $(brings "/release/apt/*.deb" | wc -l) packages, with all others of ours"
 
-timed 'packages: download' install_ --download-only facetloc-tools-gui python3-facetloc
-timed 'packages: apt install' install_ facetloc-tools-gui python3-facetloc
+timed 'packages: download' install_ --download-only facetloc-tools-gui xvfb python3-facetloc
+timed 'packages: apt install' install_ facetloc-tools-gui xvfb python3-facetloc
 first_report packages ''
 echo "installed: $(inside sh -c 'du -sxm / 2>/dev/null' | cut -f1) MB in all"
 mkdir "$root/data"
@@ -114,7 +114,7 @@ if python3 -m zipfile -l "$root"/release/*.whl | grep -iE 'vtk|qt|mpi|libX11|pcl
   echo "packages: the wheel has these inside" >&2
   exit 1
 fi
-timed 'wheel: apt install python3 NumPy venv' install_ --no-install-recommends python3 python3-numpy python3-venv
+timed 'wheel: apt install python3 NumPy venv' install_ python3 python3-numpy python3-venv
 timed 'wheel: pip install' inside sh -c 'python3 -m venv --system-site-packages /venv && /venv/bin/pip install --quiet --no-index /release/*.whl'
 first_report wheel /venv/bin/
 cmp "$work/debian/tried/results/hypotheses.csv" "$root/tried/results/hypotheses.csv"
