@@ -399,6 +399,11 @@ stage_speed() {
   else "$root/test/benchmark/speed_table.sh" "$build"; fi
 }
 
+stage_looks() {
+  mkdir -p large
+  bench score_looks large 5 $((every == 1 ? 8 : 5))
+}
+
 stage_large() {
   local models=1000,2000,5000,10000,20000,100000
   [ "$every" -eq 1 ] || models=1000

@@ -27,7 +27,7 @@ import numpy.typing as npt
 from . import _facetloc
 from ._facetloc import IoError
 
-__all__ = ["Answer", "Camera", "Frame", "Hypothesis", "IoError", "LocalModel", "Localizer", "Map", "MapMaking", "Recording",
+__all__ = ["Answer", "Camera", "Frame", "Hypothesis", "IoError", "LocalModel", "Localizer", "Map", "MapMaking", "NextLook", "Recording",
            "Registration", "Segment", "Segmentation", "Simulation", "register", "segment", "simulate"]
 
 WIDTH = 320  # at which images are worked on [px]
@@ -78,6 +78,15 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
+class NextLook:
+    """The motion of the robot after which an answer that is not sure most likely becomes so."""
+    yaw_deg: float  #: turn on the spot, to the left if positive
+    ahead: float  #: distance to drive after the turn [m]
+    sure: float  #: probability that the answer is sure then
+    gain: float  #: expected loss of entropy [nats]
+
+
+@dataclass(frozen=True)
 class Answer:
     """Where a camera is. Act on it only if it is sure."""
     state: str  #: "sure", "doubtful" or "unknown"
@@ -88,6 +97,7 @@ class Answer:
     tracking: str  #: of a moving camera: "searching", "localized", "tracking", "cannot tell", "lost"
     T_w_c: Optional[Array]  #: the most probable pose in the world
     covariance: Optional[Array]  #: of it
+    next_look: Optional[NextLook]  #: of a search of the map that is not sure, if the map shows where a look would help
     findings: List[dict]  #: about the image's camera and the map, like Recording.findings(); empty if there are none
     maps: Dict[str, float] = field(default_factory=dict)  #: probability of each of several maps (Map.joined())
 
@@ -142,7 +152,8 @@ def _answer(values: dict) -> Answer:
     first = hypotheses[0] if hypotheses else None
     if values["T_w_c"] is None and first is not None:  # of a single image
         values.update(T_w_c=first.T_w_c, covariance=first.covariance)
-    return Answer(hypotheses=hypotheses, **values)
+    look = values.pop("next_look")
+    return Answer(hypotheses=hypotheses, next_look=NextLook(**look) if look else None, **values)
 
 
 def segment(depth: npt.ArrayLike, camera: Camera, width: int = WIDTH) -> Segmentation:

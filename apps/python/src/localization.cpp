@@ -38,6 +38,16 @@ struct LockedLocalizer {
   std::mutex mutex;
 };
 
+py::object toObject(const std::optional<NextLook>& look) {
+  if (!look) return py::none();
+  py::dict out;
+  out["yaw_deg"] = look->yaw / kDegree;
+  out["ahead"] = look->ahead;
+  out["sure"] = look->sure;
+  out["gain"] = look->gain;
+  return out;
+}
+
 py::dict toDict(const Localization& answer, const Map& map, const Camera& camera) {
   py::dict out;
   out["state"] = toString(answer.state);
@@ -51,6 +61,7 @@ py::dict toDict(const Localization& answer, const Map& map, const Camera& camera
     for (const auto& [name, share] : ViewShares::kNamed) shares[name] = (*answer.shares).*share;
   out["shares"] = shares;
   out["reason"] = answer.reason;
+  out["next_look"] = toObject(answer.next_look);
   out["findings"] = toList(differenceFindings(map.calibrated(camera), map));
   out["tracking"] = stateName(answer.tracking);
   out["T_w_c"] = answer.T_w_c ? py::object(toArray(answer.T_w_c->T)) : py::none();
@@ -69,6 +80,7 @@ py::dict localize(LockedLocalizer& self, const py::array& depth, const CameraPtr
     const std::lock_guard lock(self.mutex);
     const View view = self.viewOf(array, down);
     answer = guess ? self.localizer.localize(view, *guess) : self.localizer.localize(view);
+    answer.next_look = self.localizer.nextLook(view, answer);
   }
   return toDict(answer, *self.map, array.camera());
 }
@@ -83,7 +95,9 @@ py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& 
   {
     const py::gil_scoped_release others_run;
     const std::lock_guard lock(self.mutex);
-    answer = self.localizer.update(self.viewOf(array, down), stamp, moved);
+    const View view = self.viewOf(array, down);
+    answer = self.localizer.update(view, stamp, moved);
+    answer.next_look = self.localizer.nextLook(view, answer);
   }
   return toDict(answer, *self.map, array.camera());
 }

@@ -89,10 +89,15 @@ void fields(Archive& archive, ViewShares& shares) {
 }
 
 template <class Archive>
+void fields(Archive& archive, NextLook& look) {
+  archive(look.yaw, look.ahead, look.gain, look.sure);
+}
+
+template <class Archive>
 void fields(Archive& archive, ResultRow& row) {
   for (const ResultColumn& column : resultColumns())
     std::visit([&](auto member) { archive(row.*member); }, column.value);
-  archive(row.P_w_c, row.shares);
+  archive(row.P_w_c, row.shares, row.next_look);
 }
 
 template <class Archive>

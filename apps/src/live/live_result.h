@@ -5,6 +5,7 @@
 #include "drawing/pictures.h"
 #include "live/live_mapping.h"
 #include "live/live_trajectory.h"
+#include "outputs/localization_report.h"
 
 #include <facetloc/localization/localizer.h>
 
@@ -41,9 +42,10 @@ struct LiveResult {
     return answer ? answer->reason : std::string();
   }
 
-  /** \brief The reason; if empty, the progress of the map that is being made. */
+  /** \brief The reason, and where to look next; if empty, the progress of the map that is being made. */
   std::string remark() const {
     const std::string why = reason();
+    if (answer && answer->next_look) return why + (why.empty() ? "" : "; ") + toString(*answer->next_look);
     return why.empty() && mapped ? mapped->toString() : why;
   }
 

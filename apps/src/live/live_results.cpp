@@ -69,6 +69,7 @@ FrameResult frameResult(const LiveResult& result, const Map* map, double min_pro
   frame.rows = {rowOf(result, map, min_probability)};
   if (result.answer) frame.rows.front().not_in_map = result.answer->not_in_map;
   if (result.answer && frame.rows.front().rank > 0) frame.rows.front().shares = result.answer->shares;
+  if (result.answer) frame.rows.front().next_look = result.answer->next_look;
   frame.timing = {result.image.name, result.segment_ms, result.features_ms, result.localize_ms,
                   static_cast<int>(result.mapped ? result.mapped->map->models.size()
                                    : map         ? map->models.size()

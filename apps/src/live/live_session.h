@@ -196,6 +196,7 @@ private:
       std::optional<PoseWithCovariance> measured;
       if (motion) measured = motionByOdometry(*motion, builder_.camera().mounting, options_.odometry_error);
       result->answer = localizer_->update(result->image.view, result->stamp, measured);
+      advise(result->image.view, *result->answer);
       result->localize_ms = millisecondsSince(begin);
       if (result->isLocalized() && result->pose())
         trajectory_.add(result->pose()->T.translation(), result->part());
@@ -242,6 +243,20 @@ private:
     return last_stamp_ = stamp + stamp_offset_;
   }
 
+  /** Where to look next: the advice of the latest search that has left the place open, less the turn since.
+   */
+  void advise(const View& view, Localization& answer) {
+    const Eigen::Vector3d turned = logSO3(answer.T_before_now.T.linear());
+    const auto& mounting = builder_.camera().mounting;
+    if (answer.state == AnswerState::sure)
+      next_look_.reset();
+    else if (answer.searched)
+      next_look_ = localizer_->nextLook(view, answer);
+    else if (next_look_)
+      next_look_->yaw -= mounting ? (mounting->T_b_c().linear() * turned).z() : -turned.y();
+    answer.next_look = next_look_;
+  }
+
   /** Applies the robot's lines about the present pose of the camera. */
   void obeyRobot() {
     if (!options_.odometry) return;
@@ -275,7 +290,8 @@ private:
   LiveTrajectory trajectory_;
   double last_stamp_ = 0, stamp_offset_ = 0;
   internal::OdometrySteps steps_;
-  Clock::time_point first_, last_;  // arrivals of processed frames
+  std::optional<NextLook> next_look_;  // while the place is open
+  Clock::time_point first_, last_;     // arrivals of processed frames
 
   std::atomic<std::uint64_t> rounds_{0};
   std::atomic<bool> paused_{false}, relocalize_{false}, abandoned_{false}, done_{false};

@@ -81,7 +81,18 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
   std::string& reason = rows.front().reason;
   if (!reason.empty() && !answer.reason.empty()) reason += "; ";
   reason += answer.reason;
+  rows.front().next_look = answer.next_look;
   return rows;
+}
+
+std::string toString(const NextLook& look) {
+  const double degrees = std::round(look.yaw / kDegree);
+  std::string words;
+  if (degrees != 0)
+    words = fmt::format("turn {}° to the {}", std::abs(degrees), degrees > 0 ? "left" : "right");
+  if (look.ahead > 0)
+    words += fmt::format("{}drive {:.1f} m ahead", words.empty() ? "" : ", then ", look.ahead);
+  return words;
 }
 
 void addMinProbability(CommandLine& line, double& min_probability) {

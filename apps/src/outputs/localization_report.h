@@ -18,6 +18,8 @@ namespace facetloc {
  * reason. */
 std::vector<ResultRow> resultRows(const std::string& frame, const Localization& answer, const Map& map,
                                   int max_hypotheses);
+/** \brief "turn 60° to the left, then drive 1.5 m ahead". */
+std::string toString(const NextLook& look);
 /** \brief The line of a frame without an answer. */
 ResultRow noHypothesis(const std::string& frame, const std::string& reason);
 

@@ -75,6 +75,13 @@ std::string sharesJson(const ViewShares& shares) {
   return objectOf(named);
 }
 
+std::string lookJson(const std::optional<NextLook>& look) {
+  if (!look) return kNothing;
+  return fmt::format(R"({{"yaw_deg":{},"ahead":{},"sure":{},"gain":{}}})",
+                     text::significant(look->yaw / kDegree), text::significant(look->ahead),
+                     text::significant(look->sure), text::significant(look->gain));
+}
+
 }  // namespace
 
 std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>& mounting) {
@@ -83,13 +90,14 @@ std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>
   if (best.T_w_c && mounting) T_w_b = *best.T_w_c * mounting->T_b_c().inverse();
   return fmt::format(
       R"({{"stamp":{},"frame":{},"state":{},"probability":{},"model":{},"part":{},"T_w_c":{},"T_w_b":{},)"
-      R"("covariance":{},"reason":{},"not_in_map":{},"shares":{}{}}})",
+      R"("covariance":{},"reason":{},"not_in_map":{},"shares":{},"next_look":{}{}}})",
       text::decimals(frame.stamp, kStampDigits), quotedJson(best.frame), quotedJson(toString(best.state)),
       text::significant(best.probability), best.rank > 0 ? quotedJson(best.model) : kNothing,
       quotedJson(best.part), poseJson(best.T_w_c), poseJson(T_w_b),
       best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing, quotedJson(best.reason),
       best.not_in_map ? text::significant(*best.not_in_map) : kNothing,
       best.shares ? sharesJson(*best.shares) : kNothing,
+      lookJson(best.next_look),
       best.maps.empty() ? "" : R"(,"maps":)" + objectOf(best.maps));
 }
 

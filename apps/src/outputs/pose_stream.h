@@ -16,8 +16,8 @@ namespace facetloc {
 
 /** \brief The best answer to a frame as one line of JSON, without a line feed (ROBOT.md): stamp, frame,
  * state, probability, model, part, T_w_c and T_w_b as position [m] and quaternion (x y z w), the covariance
- * of T_w_c as 21 numbers (its upper triangle, rotation first), reason; null for a missing value. \param
- * mounting of the camera on its robot, without which there is no T_w_b */
+ * of T_w_c as 21 numbers (its upper triangle, rotation first), reason, next_look; null for a missing value.
+ * \param mounting of the camera on its robot, without which there is no T_w_b */
 std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>& mounting);
 
 /** \brief Answers as lines of JSON, in the order of the frames, whatever the order in which they are found.

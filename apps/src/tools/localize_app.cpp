@@ -64,12 +64,14 @@ struct Drive {
   Localizer localizer;
   MeasuredMotion motion;
   bool smoothing = false;          // later images refine the poses of earlier ones, which are kept
+  bool advising = false;           // answers that are not sure say where to look next
   std::vector<DriveView> views{};  // those that are kept
 
   /** The answer by all images up to this one. */
   Localization add(const View& view, double stamp) {
     const std::optional<PoseWithCovariance> moved = motion.until(stamp);
     Localization answer = localizer.update(view, stamp, moved);
+    if (advising) answer.next_look = localizer.nextLook(view, answer);
     if (smoothing) views.push_back({view, stamp, moved, answer});
     return answer;
   }
@@ -238,9 +240,12 @@ private:
     const bool is_alone = task.frames().size() == 1;  // else several images are localized at a time
     Locate locate = [drive](const View& view, double stamp) { return drive->add(view, stamp); };
     if (!drive)
-      locate = [localizer =
-                    std::make_shared<const Localizer>(newLocalizer(task.map, is_alone ? threads() : 1))](
-                   const View& view, double) { return localizer->localize(view); };
+      locate = [advising = streams_, localizer = std::make_shared<const Localizer>(newLocalizer(
+                                         task.map, is_alone ? threads() : 1))](const View& view, double) {
+        Localization answer = localizer->localize(view);
+        if (advising) answer.next_look = localizer->nextLook(view, answer);
+        return answer;
+      };
     const auto builders =
         std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(task.camera, input_.view));
     const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& {
@@ -429,7 +434,8 @@ private:
     if (is_sequence_) {
       Localizer localizer = newLocalizer(map, threads());
       if (const auto start = startPose(near_, camera.mounting)) localizer.setPose(*start);
-      drive.emplace(Drive{std::move(localizer), {task.odometry, camera.mounting, odometry_error_}, smooth_});
+      drive.emplace(
+          Drive{std::move(localizer), {task.odometry, camera.mounting, odometry_error_}, smooth_, streams_});
     }
     const int at_a_time = drive ? 1 : threads();  // a drive has an order
     ImageBatch batch(at_a_time, console, [&](const std::vector<std::size_t>& images, int workers) {

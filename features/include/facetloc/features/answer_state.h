@@ -33,6 +33,15 @@ constexpr const char* toString(AnswerState state) {
   return kNames[static_cast<int>(state)];
 }
 
+/** \brief The motion that most likely makes an answer sure: a turn on the spot, then straight on
+ * (localization/METHOD 3.7). */
+struct NextLook {
+  double yaw = 0;    ///< turn about the vertical axis, to the left if positive [rad], in (-pi, pi]
+  double ahead = 0;  ///< distance to drive after the turn [m]
+  double gain = 0;   ///< expected loss of entropy over the places and the errors of their poses [nats]
+  double sure = 0;   ///< probability that the answer is sure then
+};
+
 /** \brief State of a moving camera in its map, for live programs. */
 enum class TrackingState {
   searching,   ///< no place has been sure since the start

@@ -37,6 +37,8 @@ struct ResultRow {
   std::optional<double> not_in_map;      ///< empty without probabilities, and in older results
   std::map<std::string, double> maps{};  ///< probability of each of several maps, at rank 1; not in files
   std::optional<ViewShares> shares{};    ///< shares of rank 1; in shares.csv instead of hypotheses.csv
+  std::optional<NextLook>
+      next_look{};  ///< motion that would make it sure, in the row of rank 1 or 0; in the stream only
 };
 
 /** \brief A column of hypotheses.csv, or the seven of a pose. Files, messages between processes,

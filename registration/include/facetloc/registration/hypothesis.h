@@ -62,6 +62,7 @@ struct Localization {
   CameraDifference camera;        ///< how the view's camera differs from the map's
   bool has_probabilities = true;  ///< false if scores are overlaps, whose probabilities mean nothing
   bool fixes_pose = true;         ///< the covariance of the first pose is within PoseLimits
+  std::optional<NextLook> next_look;  ///< where to look next, once Localizer::nextLook() has been asked
 
   /** \name Of a moving camera. */
   /// @{

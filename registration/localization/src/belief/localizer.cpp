@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "belief/next_look.h"
 #include "belief/place_belief.h"
 #include "belief/place_following.h"
 #include "motion/camera_motion.h"
@@ -27,8 +28,9 @@ constexpr double kPatience = 1;       // with a map that contradicts the place t
 constexpr double kCheckInterval = 2;  // between searches of the whole map while that place is in doubt [s]
 constexpr double kWaiting = 1;        // between observations of a camera that stands and is not sure [s]
 constexpr const char* kPlaceKnown = "the place is known, the pose is not: ";
-constexpr double kJump = 0.01;   // probability of a jump from which on the whole map is searched
-constexpr double kLikely = 0.5;  // probability of a place that is still known, be it sure or not
+constexpr double kJump = 0.01;           // probability of a jump from which on the whole map is searched
+constexpr std::size_t kMostLooked = 24;  // searched views that are remembered: a turn in steps of 15 deg
+constexpr double kLikely = 0.5;          // probability of a place that is still known, be it sure or not
 
 void requireProbabilities(const GlobalLocalizationParams& params) {
   if (params.score.by_overlap)
@@ -107,6 +109,7 @@ struct Localizer::Impl {
   double own_probability = 0;              // the first place by the latest observation alone, if sure
   std::optional<int> quarters;             // roll of the camera, once an image is sure of it
   int observations_unsearched = 0;         // observations since the whole map was searched
+  std::vector<Eigen::Isometry3d> looked;   // poses of the latest searched views in the camera
   Camera camera;                           // camera of clouds and images
   std::optional<ViewBuilder> builder;
 };
@@ -122,6 +125,7 @@ void Localizer::Impl::reset() {
 void Localizer::Impl::forget() {
   belief.clear();
   following.clear();
+  looked.clear();
   contradicted_since.reset();
   quarters.reset();
   latest_observation = next_check = -std::numeric_limits<double>::infinity();
@@ -181,6 +185,7 @@ void Localizer::Impl::move(Step& step, double dt, const std::optional<PoseWithCo
   const Eigen::Isometry3d T_a_b = step.motion.likeliest().T;
   belief.move(step.motion);
   following.move(T_a_b);
+  for (Eigen::Isometry3d& T_now_then : looked) T_now_then = T_a_b.inverse() * T_now_then;
   // A view that shares nothing with the views before may be of any place: only the map can tell.
   step.alone = step.shows_anything && !(step.motion.agreement > 0);
   if (!isLikely()) return;
@@ -231,6 +236,8 @@ void Localizer::Impl::search(Step& step) {
     belief.observe(step.view, &found);
   }
   hear(found);
+  if (looked.size() == kMostLooked) looked.erase(looked.begin());
+  looked.push_back(Eigen::Isometry3d::Identity());
   latest_observation = step.now;
   next_check = step.now + kCheckInterval;
   observations_unsearched = 0;
@@ -421,6 +428,11 @@ Localization Localizer::localize(const View& view) const {
 }
 Localization Localizer::localize(const View& view, const PoseWithCovariance& T_w_c, int part) const {
   return impl_->localizeNear(view, T_w_c, part);
+}
+std::optional<NextLook> Localizer::nextLook(const View& view, const Localization& answer) const {
+  std::vector<Eigen::Isometry3d> looked = {Eigen::Isometry3d::Identity()};
+  if (answer.looks > 1) looked = impl_->looked;  // it is of the drive
+  return NextLooks(impl_->map, impl_->localization_params).best(view, answer, looked, impl_->min_probability);
 }
 Localization Localizer::update(View view, double stamp, const std::optional<PoseWithCovariance>& motion) {
   return impl_->update(std::move(view), stamp, motion);

@@ -105,6 +105,18 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
   return best;
 }
 
+double PlaceRanking::oddsOfOther(const View& seen, const View& here, const View& other) const {
+  constexpr double kCommon = 0.1;  // least share of the pixels that is compared
+  const auto evidenceOf = [&](const View& expected) -> std::optional<double> {
+    Hypothesis h;
+    h.T_w_c = Eigen::Isometry3d::Identity();
+    const double found = evidence(seen, {{unowned(expected), *h.T_w_c}}, h, comparison());
+    return h.coverage.compared >= kCommon ? std::optional(found) : std::nullopt;
+  };
+  const std::optional<double> of_here = evidenceOf(here), of_other = evidenceOf(other);
+  return of_here && of_other ? std::min(0.0, odds(true, {}).slope * (*of_other - *of_here)) : 0;
+}
+
 std::vector<NearbyView> PlaceRanking::neighbours(const Hypothesis& h) const {
   std::vector<NearbyView> found;
   for (const int i : near_.bySight(h.part, *h.T_w_c, kEvidenceReach, kEvidenceModels))

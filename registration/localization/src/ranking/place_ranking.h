@@ -27,6 +27,11 @@ public:
    * search had found it there. Nothing if there are none, for then the map says nothing.
    * \param T_w_c in the frame of that part of the map, the prior of the alignment, positive definite */
   std::optional<Hypothesis> at(const Query& query, int part, const PoseWithCovariance& T_w_c) const;
+  /** \brief Log odds of another place against the right one by the views that the map expects at both: at
+   * most 0, and 0 where there is little to compare. \param seen, here expected at the right place, by
+   * different local models \param other expected at the other one; all have pictures only, as seen from one
+   * pose */
+  double oddsOfOther(const View& seen, const View& here, const View& other) const;
   /** \brief Can local models give evidence of where a view was taken: have they, and has it, depth? */
   bool mayHaveEvidence(const View& scene) const;
   ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const override;
