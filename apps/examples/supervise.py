@@ -42,7 +42,7 @@ def follow(stream):  # until it ends; was any pose sure?
             sure_at, command, what = stamp, "go", f"{x:.3f} {y:.3f} {z:.3f} {yaw:.1f}"
         elif sure_at is not None and stamp - sure_at < PATIENCE:
             command = "slow"
-        if command != "go" and answer["next_look"]:
+        if command != "go" and answer.get("next_look"):
             what += "; turn {yaw_deg:.0f} deg, drive {ahead:.1f} m".format(**answer["next_look"])
         print(f"{stamp:.3f} {command} {what}", flush=True)
     return sure_at is not None

@@ -141,6 +141,17 @@ TEST(PoseStream, UnknownValuesAreNull) {
   EXPECT_EQ(answer["reason"].asString(), "nothing agrees");
 }
 
+TEST(PoseStream, AnAdviceIsInDegrees) {
+  FrameResult result = frame();
+  EXPECT_TRUE(parsed(toJson(result, {}))["next_look"].isNull());
+  result.rows.front().next_look = NextLook{-EIGEN_PI / 2, 1.5, 0.7, 0.8};
+  const Json::Value look = parsed(toJson(result, {}))["next_look"];
+  EXPECT_NEAR(look["yaw_deg"].asDouble(), -90, 1e-4);
+  EXPECT_EQ(look["ahead"].asDouble(), 1.5);
+  EXPECT_EQ(look["sure"].asDouble(), 0.8);
+  EXPECT_EQ(look["gain"].asDouble(), 0.7);
+}
+
 TEST(PoseStream, LinesAreInTheOrderOfTheFrames) {
   std::ostringstream out;
   PoseStream stream(out, {});

@@ -86,5 +86,20 @@ TEST(NextLook, NothingDistinguishesRoomsThatAreEqualAllAround) {
   EXPECT_LT(look ? look->sure : 0, 0.1);
 }
 
+TEST(NextLook, WithoutPlacesItPointsToWhereTheViewReachesFarther) {
+  auto map = std::make_shared<Map>();
+  map->models.emplace_back("", 0, turnedBy(0), viewOf(roomAt(0), turnedBy(0), 1));
+  const Localizer localizer(map);
+  for (const int side : {1, -1}) {
+    const Scene wall = {test::endlessPlane({5, 2.5, 0}, {1, -0.5 * side, 0})};
+    Localization unknown;
+    unknown.searched = true;
+    const std::optional<NextLook> look = localizer.nextLook(viewOf(wall, turnedBy(0), 2), unknown);
+    ASSERT_TRUE(look);
+    EXPECT_NEAR(look->yaw / kDegree, 30 * side, 1e-6);
+    EXPECT_EQ(look->gain, 0);
+  }
+}
+
 }  // namespace
 }  // namespace facetloc

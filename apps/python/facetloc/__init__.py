@@ -97,7 +97,7 @@ class Answer:
     tracking: str  #: of a moving camera: "searching", "localized", "tracking", "cannot tell", "lost"
     T_w_c: Optional[Array]  #: the most probable pose in the world
     covariance: Optional[Array]  #: of it
-    next_look: Optional[NextLook]  #: of a search of the map that is not sure, if the map shows where a look would help
+    next_look: Optional[NextLook]  #: of an answer that has searched the map and is not sure
     findings: List[dict]  #: about the image's camera and the map, like Recording.findings(); empty if there are none
     maps: Dict[str, float] = field(default_factory=dict)  #: probability of each of several maps (Map.joined())
 

@@ -34,6 +34,11 @@ Eigen::Isometry3d baseOf(const View& view, const Camera& of_map) {
   return T_b_c;
 }
 
+Eigen::Isometry3d motionBy(double yaw, double ahead, const Eigen::Isometry3d& T_b_c) {
+  return T_b_c.inverse() * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+         Eigen::Translation3d(ahead, 0, 0) * T_b_c;
+}
+
 /** Index of the pixel in which a camera sees a point, if it does. */
 std::optional<std::size_t> pixelOf(const Eigen::Vector3d& p, const Intrinsics& camera) {
   if (!(p.z() > 1e-3)) return {};
@@ -72,6 +77,15 @@ bool isFree(const DepthPicture& picture, const Eigen::Isometry3d& T_b_c) {
     if (std::abs(p.z()) <= kLevel && std::abs(p.y()) <= kBody) nearest = std::min(nearest, p.x());
   });
   return std::isfinite(nearest) && nearest >= kAhead + kBody;
+}
+
+/** Mean inverse depth of the left or the right half of a picture [quanta]; 0 where nothing is measured. */
+double meanOfSide(const DepthPicture& picture, const Eigen::Isometry3d& T_b_c, int side) {
+  double sum = 0, pixels = 0;
+  forEachPixel(picture, 4, [&](const Eigen::Vector3d& ray, double rho) {
+    if (side * (T_b_c.linear() * ray).y() > 0) sum += rho, ++pixels;
+  });
+  return pixels > 0 ? sum / pixels : 0;
 }
 
 }  // namespace
@@ -224,6 +238,19 @@ std::optional<NextLook> NextLooks::best(const View& view, const Localization& an
                                         const std::vector<Eigen::Isometry3d>& looked,
                                         double min_probability) const {
   if (answer.state == AnswerState::sure || !answer.searched || !answer.not_in_map) return {};
+  const std::optional<NextLook> known = byPlaces(view, answer, looked, min_probability);
+  if (known || view.depth.empty()) return known;
+  const Eigen::Isometry3d T_b_c = baseOf(view, map_->camera);
+  const auto promise = [&](int side) {
+    return novelty(motionBy(side * kStep, 0, T_b_c), looked) /
+           std::max(1.0, meanOfSide(view.depth, T_b_c, side));
+  };
+  return NextLook{promise(1) >= promise(-1) ? kStep : -kStep, 0, 0, 0};
+}
+
+std::optional<NextLook> NextLooks::byPlaces(const View& view, const Localization& answer,
+                                            const std::vector<Eigen::Isometry3d>& looked,
+                                            double min_probability) const {
   const std::vector<Place> places = placesOf(answer);
   if (places.empty() || near_.empty()) return {};
   const Intrinsics& seen_by =
@@ -233,8 +260,7 @@ std::optional<NextLook> NextLooks::best(const View& view, const Localization& an
 
   std::vector<Expected> expected;  // at each place, by the latest look
   const auto look = [&](double yaw, double ahead, Outlook& outlook) {
-    const Eigen::Isometry3d T_now_then = T_b_c.inverse() * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                         Eigen::Translation3d(ahead, 0, 0) * T_b_c;
+    const Eigen::Isometry3d T_now_then = motionBy(yaw, ahead, T_b_c);
     expected.clear();
     for (const Place& place : places)
       expected.push_back(expectedAt(place.part, place.T_w_c * T_now_then, camera));

@@ -29,6 +29,10 @@ private:
   struct Place;
   struct Expected;
   class Outlook;
+  /** \brief By the places of the answer; nothing if no motion is worthwhile. */
+  std::optional<NextLook> byPlaces(const View& view, const Localization& answer,
+                                   const std::vector<Eigen::Isometry3d>& looked,
+                                   double min_probability) const;
   std::vector<Place> placesOf(const Localization& answer) const;
   Expected expectedAt(int part, const Eigen::Isometry3d& T_w_c, const Intrinsics& camera) const;
   double novelty(const Eigen::Isometry3d& T_now_then, const std::vector<Eigen::Isometry3d>& looked) const;

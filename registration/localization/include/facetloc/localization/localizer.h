@@ -57,11 +57,11 @@ public:
   Localization localize(const View& view, const PoseWithCovariance& T_w_c, int part = 0) const;
 
   /** \brief The turn of the robot, or the metres, that would most likely make an answer sure, by the views
-   * that the map expects at its places (METHOD 3.7). Remembers nothing; takes about as long as a search, and
-   * is not called by the others. \param view of the answer; the mounting of its camera makes the turn one of
-   * the robot, else it is one of the camera about gravity, or about the vertical axis of its image \param
-   * answer of localize(), or the latest of update() \return nothing for an answer that is sure, has not
-   * searched the map, or has no probabilities or places, and where the map shows nothing that would help */
+   * that the map expects at its places; where these say nothing, by the view, with a gain of 0 (METHOD 3.7).
+   * Remembers nothing; takes about as long as a search, and is not called by the others. \param view of the
+   * answer; the mounting of its camera makes the turn one of the robot, else it is one of the camera about
+   * gravity, or about the vertical axis of its image \param answer of localize(), or the latest of update()
+   * \return nothing for an answer that is sure, has not searched the map, or has no probabilities */
   std::optional<NextLook> nextLook(const View& view, const Localization& answer) const;
 
   /** \brief Takes the next view of a moving camera. Any view and any stamp [s] have an answer. A stamp that
