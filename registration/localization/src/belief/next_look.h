@@ -29,7 +29,7 @@ private:
   struct Place;
   struct Expected;
   class Outlook;
-  /** \brief By the places of the answer; nothing if no motion is worthwhile. */
+  /** \brief The advice by the places of the answer; nothing if no motion is worthwhile. */
   std::optional<NextLook> byPlaces(const View& view, const Localization& answer,
                                    const std::vector<Eigen::Isometry3d>& looked,
                                    double min_probability) const;
