@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "facetloc/testing/places.h"
+#include "temporary_folder.h"
 
 #include <facetloc/io/cloud_file.h>
-#include <facetloc/io/error.h>
-#include <facetloc/testing/matchers.h>
 
 #include <gtest/gtest.h>
 #include <pcl/conversions.h>
@@ -15,40 +13,23 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 
 namespace facetloc::test {
 namespace {
 
-class ModelFile : public testing::Test {
+class ModelFile : public InAFolder {
 protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("model_file_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path write(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name, std::ios::binary) << content;
-    return folder_ / name;
+  std::filesystem::path write(const std::string& name, const std::string& content) const {
+    return putBytes(folder_ / name, content);
   }
   /** The cause of the error that reading it ends with. */
-  static std::string refusal(const fs::path& path) {
-    try {
-      readModel(path);
-    } catch (const IoError& e) {
-      EXPECT_EQ(path.string(), e.path());
-      return e.cause();
-    }
-    return "";
+  static std::string refusal(const std::filesystem::path& path) {
+    const std::string error = ioErrorOf([&] { readModel(path); }), of_file = path.string() + ": ";
+    EXPECT_THAT(error, testing::AnyOf(testing::IsEmpty(), testing::StartsWith(of_file)));
+    return error.empty() ? "" : error.substr(of_file.size());
   }
-
-  fs::path folder_;
 };
 
 pcl::PointCloud<pcl::PointXYZ> pointsOf(const pcl::PolygonMesh& mesh) {
@@ -253,7 +234,8 @@ TEST_F(ModelFile, NamesWhatStandsInPlaceOfAModel) {
         refusal(write(name, "version https://git-lfs.github.com/spec/v1\noid sha256:07\nsize 1234567\n")),
         HasSubstr("git lfs pull"));
   EXPECT_THAT(refusal(write("b.ply", "/annex/objects/SHA256E-s9--7.ply\n")), HasSubstr("git annex get"));
-  fs::create_symlink(".git/annex/objects/a/b/SHA256E-s9--7.ply/SHA256E-s9--7.ply", folder_ / "c.ply");
+  std::filesystem::create_symlink(".git/annex/objects/a/b/SHA256E-s9--7.ply/SHA256E-s9--7.ply",
+                                  folder_ / "c.ply");
   EXPECT_THAT(refusal(folder_ / "c.ply"), HasSubstr("git annex get"));
   EXPECT_THAT(refusal(write("plan.pgm", "P5 1 1 255 a")),
               AllOf(HasSubstr("plan.yaml"), HasSubstr("\n  image: plan.pgm\n  resolution: 0.05"),
@@ -270,8 +252,8 @@ TEST_F(ModelFile, RefusesFilesThatAreNoModel) {
   EXPECT_NE("", refusal(write("pointless.ply", pointless + "3 0 1 2\n3 0 3 1\n")));
   EXPECT_NE("", refusal(folder_ / "missing.ply"));
   EXPECT_EQ("is empty", refusal(write("empty.obj", "")));
-  EXPECT_NE(std::string::npos, refusal(write("a.dwg", "x")).find(".ply, .obj"));
-  EXPECT_NE(std::string::npos, refusal(write("text.ply", "hello")).find("first line"));
+  EXPECT_THAT(refusal(write("a.dwg", "x")), HasSubstr(".ply, .obj"));
+  EXPECT_THAT(refusal(write("text.ply", "hello")), HasSubstr("first line"));
   EXPECT_NE("", refusal(write("text.obj", "hello\n")));
   EXPECT_NE("", refusal(write("text.stl", "hello\n")));
   EXPECT_THAT(refusal(write("a.vtp", "<hello/>\n")), HasSubstr(".ply, .obj, .stl and .pcd"));
@@ -282,18 +264,17 @@ TEST_F(ModelFile, RefusesFilesThatAreNoModel) {
 TEST_F(ModelFile, RefusesHeadersThatPromiseMoreThanThereIs) {
   std::string huge = kPlyHead;
   huge.replace(huge.find("vertex 4"), 8, "vertex 2000000000");
-  EXPECT_NE(std::string::npos, refusal(write("huge.ply", huge + kPlyData)).find("cut off"));
+  EXPECT_THAT(refusal(write("huge.ply", huge + kPlyData)), HasSubstr("cut off"));
   std::string negative = kPlyHead;
   negative.replace(negative.find("face 2"), 6, "face -2");
-  EXPECT_NE(std::string::npos,
-            refusal(write("negative.ply", negative + kPlyData)).find("number of elements"));
+  EXPECT_THAT(refusal(write("negative.ply", negative + kPlyData)), HasSubstr("number of elements"));
   std::string typeless = kPlyHead;
   typeless.replace(typeless.find("float y"), 7, "quaternion y");
-  EXPECT_NE(std::string::npos, refusal(write("type.ply", typeless + kPlyData)).find("type"));
+  EXPECT_THAT(refusal(write("type.ply", typeless + kPlyData)), HasSubstr("type"));
   EXPECT_NE("", refusal(write("head.ply", kPlyHead.substr(0, 60))));
   std::string binary = kPlyHead;
   binary.replace(binary.find("ascii"), 5, "binary_little_endian");
-  EXPECT_NE(std::string::npos, refusal(write("binary.ply", binary + std::string(40, '\0'))).find("cut off"));
+  EXPECT_THAT(refusal(write("binary.ply", binary + std::string(40, '\0'))), HasSubstr("cut off"));
 }
 
 TEST_F(ModelFile, RefusesMoreTrianglesThanBytes) {
@@ -322,14 +303,7 @@ TEST_F(ModelFile, SurvivesFilesThatAreCutOff) {
   for (const auto& [name, whole] : {std::pair<std::string, std::string>{"cut.ply", kPlyHead + kPlyData},
                                     {"cut.obj", obj},
                                     {"binary.ply", binary}})
-    for (std::size_t size = 1; size <= whole.size(); size += 3) {
-      const fs::path path = write(name, whole.substr(0, size));
-      try {
-        readModel(path);
-      } catch (const IoError& e) {
-        EXPECT_FALSE(e.cause().empty());
-      }
-    }
+    for (std::size_t size = 1; size <= whole.size(); size += 3) refusal(write(name, whole.substr(0, size)));
 }
 
 }  // namespace
