@@ -45,47 +45,6 @@ TEST_F(LiveTool, PlaysAFolderOfPclzf) {
               fails("only devices of OpenNI2 can be recorded"));
 }
 
-TEST_F(LiveTool, RefusesPclzfThatPclDoesNotSurvive) {
-  const std::string folder = writePclzf(3), image = folder + "/frame_20200101T000000.200000_depth.pclzf";
-  const std::string sound = contentOf(image);
-  const auto error = [&] {
-    const ToolRun run = runLive({"--device", folder, "--headless"});
-    EXPECT_EQ(run.code, kFailed);
-    return run.err;
-  };
-  const auto withByte = [&](std::size_t at, char value) {
-    std::string bytes = sound;
-    bytes[at] = value;
-    writeContent(image, bytes);
-    return error();
-  };
-  EXPECT_THAT(withByte(0, 'Q'), HasSubstr(image + ": is no PCLZF file"));
-  EXPECT_THAT(withByte(8, 0x40), HasSubstr(image + ": its size of"));  // the highest byte of its width
-  EXPECT_THAT(withByte(5, static_cast<char>(sound[5] + 1)), HasSubstr("do not fit each other"));
-  EXPECT_THAT(withByte(13, 'r'), HasSubstr("is no 16-bit depth image"));
-  writeContent(image, std::string(sound).replace(29, 4, std::string{1, 0, 0, 0}));  // its packed size
-  EXPECT_THAT(error(), HasSubstr("its packed size does not fit"));
-  fs::remove(image);
-  writeContent(folder + "/frame_7_depth.pclzf", sound);
-  EXPECT_THAT(error(), HasSubstr("frame_7_depth.pclzf: its name tells no time"));
-}
-
-TEST_F(LiveTool, SaysThatPclzfFilesCannotBeRead) {
-  const std::string folder = writePclzf(10), image = folder + "/frame_20200101T000000.300000_depth.pclzf",
-                    camera = folder + "/frame_20200101T000000.500000.xml";
-  fs::resize_file(image, fs::file_size(image) / 2);
-  const ToolRun run = ok(runLive({"--device", folder, "--headless"}));
-  EXPECT_THAT(run.err, HasSubstr("frames are missing: 1 of the images cannot be read"));
-  EXPECT_THAT(lastLine(run.out), HasSubstr("9 frames received"));
-
-  for (const char* content : {"", "<depth><focal_length_x>", "no XML"}) {
-    writeContent(camera, content);
-    EXPECT_THAT(runLive({"--device", folder, "--headless"}), fails(camera + ": no camera parameters"));
-  }
-  fs::remove(camera);
-  EXPECT_THAT(runLive({"--device", folder, "--headless"}), fails("10 depth images, but only 9 .xml"));
-}
-
 TEST_F(LiveTool, SaysThatImagesCannotBeRead) {
   const std::string copy = folder_.copyOf(sequence(), "copy"), results = folder_ / "results";
   const auto names = namesIn(copy + "/depth");

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The processing of a live run, fed by a grabber that has no camera.
+// The processing of a live run, fed without a camera.
 #include "live/live_findings.h"
 #include "live/live_session.h"
 #include "process.h"
 
-#include <facetloc/testing/organized_clouds.h>
 #include <facetloc/testing/synthetic_views.h>
 
+#include <pcl/io/grabber.h>
 #include <pcl/io/image_depth.h>
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
 
 #include <condition_variable>
 
@@ -17,25 +15,15 @@ namespace facetloc::test {
 namespace {
 
 using namespace std::chrono_literals;
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-/** A pcl::Grabber that delivers the frames of a test. */
+/** A grabber without depth images. */
 class FakeGrabber : public pcl::Grabber {
 public:
-  explicit FakeGrabber(bool has_clouds = true) {
-    if (has_clouds) signal_ = createSignal<void(const Cloud::ConstPtr&)>();
-  }
-  void start() override { running_ = true; }
-  void stop() override { running_ = false; }
-  bool isRunning() const override { return running_; }
+  void start() override {}
+  void stop() override {}
+  bool isRunning() const override { return true; }
   std::string getName() const override { return "FakeGrabber"; }
   float getFramesPerSecond() const override { return 30; }
-
-  void deliver(const Cloud::ConstPtr& cloud) { (*signal_)(cloud); }
-
-private:
-  boost::signals2::signal<void(const Cloud::ConstPtr&)>* signal_ = nullptr;
-  bool running_ = false;
 };
 
 /** A camera whose frames need not have as many pixels as they say. */
@@ -43,7 +31,7 @@ class FakeCamera : public FakeGrabber {
 public:
   using Picture = pcl::io::DepthImage;
 
-  FakeCamera() : FakeGrabber(false), pictures_(createSignal<void(const Picture::Ptr&)>()) {}
+  FakeCamera() : pictures_(createSignal<void(const Picture::Ptr&)>()) {}
   void deliver(std::vector<std::uint16_t> pixels) {
     (*pictures_)(pcl::make_shared<Picture>(pcl::make_shared<Frame>(std::move(pixels)), 0.f, 2.f, 0, 0));
   }
@@ -62,12 +50,6 @@ private:
 
   boost::signals2::signal<void(const Picture::Ptr&)>* pictures_;
 };
-
-Cloud::Ptr cloudOf(const DepthImage& image, double stamp) {
-  const auto cloud = organizedCloud<pcl::PointXYZ>(image);
-  cloud->header.stamp = static_cast<std::uint64_t>(1e6 * stamp);
-  return cloud;
-}
 
 /** The answers of a session, in their order. */
 class Answers {
@@ -124,16 +106,12 @@ LiveFrame frameOf(DepthImage image, double stamp) {
 class LiveSessionTest : public testing::Test {
 protected:
   LiveSessionTest() { options_.oldest_frame_ms = 60000; }  // however busy the machine is
-  /** Frame after frame through a grabber, each when the one before is done. */
+  /** Frame after frame, each when the one before is done. */
   std::vector<LiveResultPtr> feed(LiveSession& session, int frames) {
-    FakeGrabber grabber;
-    connectFrames(grabber, {}, 30, [&](LiveFrame frame) { session.mailbox().put(std::move(frame)); });
-    grabber.start();
     for (int i = 0; i < frames; ++i) {
-      grabber.deliver(cloudOf(imageAt(i), 100 + i / 30.0));
+      session.mailbox().put(frameOf(imageAt(i), 100 + i / 30.0));
       answers_.wait(static_cast<std::size_t>(i) + 1);
     }
-    grabber.stop();
     session.finish();
     return answers_.wait(static_cast<std::size_t>(frames));
   }
@@ -324,31 +302,22 @@ TEST_F(LiveSessionTest, CanBeDestroyedAtAnyTime) {
 }
 
 TEST(ConnectFrames, RefusesAGrabberWithoutDepth) {
-  FakeGrabber grabber(false);
-  EXPECT_THROW(connectFrames(grabber, {}, 30, [](LiveFrame) {}), std::runtime_error);
-}
-
-TEST(ConnectFrames, CountsTimeWhereCloudsHaveNone) {
   FakeGrabber grabber;
-  std::vector<double> stamps;
-  connectFrames(grabber, {}, 10, [&](const LiveFrame& frame) { stamps.push_back(frame.stamp); });
-  for (int i = 0; i < 3; ++i) grabber.deliver(cloudOf(imageAt(0), 0));
-  EXPECT_THAT(stamps, ElementsAre(0, 0.1, 0.2));
+  EXPECT_THROW(connectFrames(grabber, {}, [](LiveFrame) {}), std::runtime_error);
 }
 
 TEST(ConnectFrames, TheGivenCameraGoesFirst) {
-  FakeGrabber grabber;
+  FakeCamera camera;
   LiveFrame last;
-  Intrinsics twice = smallCamera();
-  twice = {640, 480, 2 * twice.fx, 2 * twice.fy, 2 * twice.cx, 2 * twice.cy};
-  connectFrames(grabber, twice, 30, [&](LiveFrame frame) { last = std::move(frame); });
-  grabber.deliver(cloudOf(imageAt(0), 1));
-  EXPECT_EQ(last.image().camera, smallCamera());
-
-  FakeGrabber other;
-  connectFrames(other, Intrinsics{100, 100, 50, 50, 50, 50}, 30,
+  connectFrames(camera, Intrinsics{8, 6, 10, 12, 3.5, 2.5},
                 [&](LiveFrame frame) { last = std::move(frame); });
-  other.deliver(cloudOf(imageAt(0), 1));
+  camera.deliver(std::vector<std::uint16_t>(12, 1500));
+  EXPECT_EQ(last.image().camera, (Intrinsics{8, 6, 10, 12, 3.5, 2.5}.subsampled(2)));
+
+  FakeCamera other;
+  connectFrames(other, Intrinsics{100, 100, 50, 50, 50, 50},
+                [&](LiveFrame frame) { last = std::move(frame); });
+  other.deliver(std::vector<std::uint16_t>(12, 1500));
   EXPECT_THROW(last.image(), std::runtime_error) << "a calibration of another camera";
 }
 
@@ -356,25 +325,13 @@ TEST(ConnectFrames, TheGivenCameraGoesFirst) {
 TEST(ConnectFrames, ImagesOfAWrongLengthAreRefused) {
   FakeCamera camera;
   LiveFrame last;
-  connectFrames(camera, {}, 30, [&](LiveFrame frame) { last = std::move(frame); });
+  connectFrames(camera, {}, [&](LiveFrame frame) { last = std::move(frame); });
   camera.deliver(std::vector<std::uint16_t>(12, 1500));
   EXPECT_THAT(last.image().depth, Each(1.5f));
   for (const std::size_t pixels : {0, 11, 13, 100000}) {
     camera.deliver(std::vector<std::uint16_t>(pixels, 1500));
     EXPECT_THROW(last.image(), std::runtime_error) << pixels;
   }
-}
-
-TEST(ConnectFrames, AnImageWithoutDepthIsNoError) {
-  FakeGrabber grabber;
-  LiveFrame last;
-  connectFrames(grabber, {}, 30, [&](LiveFrame frame) { last = std::move(frame); });
-  DepthImage blind = imageAt(0);
-  blind.depth.assign(blind.depth.size(), 0.f);
-  grabber.deliver(cloudOf(blind, 1));
-  const DepthImage image = last.image();
-  EXPECT_TRUE(image.valid());
-  EXPECT_TRUE(ViewBuilder().build(image).segments.empty());
 }
 
 }  // namespace

@@ -3,17 +3,13 @@
 
 #include "base/text.h"
 #include "live/file_player.h"
-#include "live/pclzf_folder.h"
 
 #include <facetloc/features/camera_presets.h>
-#include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/v4l2_frames.h>
 #include <facetloc/openni/openni_grabber.h>
-
-#include <pcl/io/image_grabber.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -25,13 +21,10 @@ namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using DevicePicture = pcl::io::DepthImage;
-using OnCloud = void(const Cloud::ConstPtr&);
 
 constexpr double kMicrosecond = 1e-6;           // [s]
 constexpr double kMillimetre = 1e-3;            // [m]
-constexpr double kUsualRate = 30;               // [Hz] of files without time stamps
 constexpr std::chrono::seconds kFirstFrame(3);  // longest wait for a frame, whose size reveals the camera
 constexpr const char* kPipe = "-";
 
@@ -63,28 +56,6 @@ DepthImage toDepthImage(const DevicePicture& picture, const std::optional<Intrin
   return image;
 }
 
-/** Clouds -> depth images. The camera of a stream does not change: its estimate from the points is kept. */
-class CloudConverter {
-public:
-  explicit CloudConverter(const std::optional<Intrinsics>& camera) : given_(camera) {}
-
-  DepthImage operator()(const Cloud& cloud) {
-    const int width = static_cast<int>(cloud.width), height = static_cast<int>(cloud.height);
-    if (!isOrganized(cloud)) throw std::runtime_error("a cloud of the source is not organized");
-    if (given_) return depthImage(cloud, scaledTo(*given_, width, height));
-    if (!recovered_ || recovered_->width != width || recovered_->height != height)
-      recovered_ = recoverIntrinsics(cloud);
-    if (recovered_) return depthImage(cloud, *recovered_);
-    DepthImage blind;  // nothing measured yet that would tell the focal length: an image without segments
-    blind.camera = {width, height, double(width), double(width), (width - 1) / 2.0, (height - 1) / 2.0};
-    blind.depth.assign(cloud.size(), 0.f);
-    return blind;
-  }
-
-private:
-  std::optional<Intrinsics> given_, recovered_;
-};
-
 /** Frames as a pinhole camera's. */
 FrameSink corrected(const CameraFile& camera, const FrameSink& sink) {
   auto lens = std::make_shared<std::optional<LensCorrection>>();  // kept while the size of frames stays
@@ -107,6 +78,15 @@ std::optional<Intrinsics> calibrationOf(const OpenNIGrabber& grabber) {
   return k.valid() ? std::optional(k) : std::nullopt;
 }
 
+/** PCL's compressed images, which OpenNI2 does not know. */
+bool isPclzfFolder(const fs::path& path) {
+  std::error_code ignored;
+  const fs::directory_iterator files(path, ignored);
+  return std::any_of(begin(files), end(files), [](const fs::directory_entry& entry) {
+    return text::lowerExtension(entry.path()) == ".pclzf";
+  });
+}
+
 /** Without OpenNI2: all that it does not know, and every file whose frames are to wait, but for our virtual
  * cameras, which wait themselves. */
 bool isPlayed(const LiveSourceOptions& options) {
@@ -114,7 +94,7 @@ bool isPlayed(const LiveSourceOptions& options) {
   std::error_code ignored;
   if (V4l2Frames::reads(path)) return false;
   if (text::lowerExtension(path) == ".scene" || !fs::exists(path, ignored)) return false;
-  if (options.every_frame || DepthSequence::isOfMessages(path)) return true;
+  if (options.every_frame || DepthSequence::isOfMessages(path) || isPclzfFolder(path)) return true;
   return fs::is_regular_file(path, ignored) && text::lowerExtension(path) != ".oni";
 }
 
@@ -131,8 +111,7 @@ std::optional<CameraFile> givenCamera(const std::string& camera) {
 
 }  // namespace
 
-void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, double rate,
-                   const FrameSink& sink) {
+void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameSink& sink) {
   using OnPicture = void(const DevicePicture::Ptr&);
   if (grabber.providesCallback<FrameGrabber::OnFrame>()) {
     auto convert = std::make_shared<FrameConverter>();
@@ -144,17 +123,8 @@ void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camer
       sink({kMicrosecond * static_cast<double>(picture->getTimestamp()),
             [picture, camera] { return toDepthImage(*picture, camera); }});
     });
-  } else if (grabber.providesCallback<OnCloud>()) {
-    auto convert = std::make_shared<CloudConverter>(camera);
-    auto count = std::make_shared<std::uint64_t>(0);
-    grabber.registerCallback<OnCloud>([=](const Cloud::ConstPtr& cloud) {
-      if (cloud->empty()) return;  // PCL could not read the file
-      const std::uint64_t n = (*count)++, stamp = cloud->header.stamp;
-      sink({stamp ? kMicrosecond * static_cast<double>(stamp) : static_cast<double>(n) / rate,
-            [convert, cloud] { return (*convert)(*cloud); }});
-    });
   } else {
-    throw std::runtime_error(grabber.getName() + " has neither depth images nor clouds of points");
+    throw std::runtime_error(grabber.getName() + " has no depth images");
   }
 }
 
@@ -180,10 +150,7 @@ LiveSource::LiveSource(const LiveSourceOptions& options, std::shared_ptr<PipeFra
   } else {
     if (!by_name) camera_ = given;
     if (camera_ && !camera_->isPinhole()) lens_camera_ = camera_;
-    if (isPclzfFolder(options.device))
-      openPclzf(options);
-    else
-      openDevice(options);
+    openDevice(options);
     if (by_name) useNoiseOf(given->camera);
   }
   if (of_map) camera_ = cameraOfMap(options.camera, camera_);
@@ -206,15 +173,6 @@ void LiveSource::openFrames(std::shared_ptr<FrameSource> frames) {
   auto grabber = std::make_unique<FrameGrabber>(std::move(frames));
   frames_ = grabber.get();
   grabber_ = std::move(grabber);
-}
-
-void LiveSource::openPclzf(const LiveSourceOptions& options) {
-  const fs::path path = options.device;
-  const float rate = static_cast<float>(kUsualRate * (options.speed > 0 ? options.speed : 1));
-  requireSoundPclzfFolder(path);
-  auto images = std::make_unique<pcl::ImageGrabber<pcl::PointXYZ>>(path.string(), rate, options.repeat, true);
-  if (!options.repeat) last_ = images->size();
-  grabber_ = std::move(images);
 }
 
 void LiveSource::openDevice(const LiveSourceOptions& options) {
@@ -241,12 +199,7 @@ void LiveSource::start(const FrameSink& sink) {
   if (player_) return player_->start(sink);
   std::optional<Intrinsics> intrinsics = calibration_;
   if (camera_ && camera_->camera.intrinsics.valid()) intrinsics = camera_->camera.intrinsics;
-  connectFrames(*grabber_, intrinsics, kUsualRate, lens_camera_ ? corrected(*lens_camera_, sink) : sink);
-  if (!device_ && !frames_)
-    grabber_->registerCallback<OnCloud>([this](const Cloud::ConstPtr& cloud) {
-      ++delivered_;
-      unreadable_ += cloud->empty();
-    });
+  connectFrames(*grabber_, intrinsics, lens_camera_ ? corrected(*lens_camera_, sink) : sink);
   next();
   grabber_->start();
 }
@@ -279,8 +232,7 @@ Findings LiveSource::findings() const {
 bool LiveSource::atEnd() const {
   if (player_) return player_->atEnd();
   if (device_) return device_->isEndOfFile();
-  if (frames_) return frames_->atEnd();
-  return !grabber_->isRunning() || (last_ && delivered_ >= *last_);  // one of PCL's grabbers never stops
+  return frames_->atEnd();
 }
 
 bool LiveSource::connected() const {
@@ -291,8 +243,7 @@ bool LiveSource::connected() const {
 std::string LiveSource::lastError() const {
   if (player_) return player_->lastError();
   if (device_) return device_->lastError();
-  if (frames_) return frames_->lastError();
-  return unreadable_ ? fmt::format("{} of the images cannot be read", unreadable_) : "";
+  return frames_->lastError();
 }
 
 }  // namespace facetloc

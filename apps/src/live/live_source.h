@@ -10,7 +10,6 @@
 
 #include <pcl/io/grabber.h>
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -22,7 +21,7 @@ namespace facetloc {
 class FilePlayer;
 class OpenNIGrabber;
 
-/** \brief A frame of a camera, unprocessed: a pointer to the image or cloud of the grabber. */
+/** \brief A frame of a camera, unprocessed: a pointer to the image of the grabber. */
 struct LiveFrame {
   double stamp = 0;                   ///< [s] of the source; may start again when a recording is repeated
   std::function<DepthImage()> image;  ///< converts it; to be called on one thread at a time
@@ -30,18 +29,15 @@ struct LiveFrame {
 };
 using FrameSink = std::function<void(LiveFrame)>;
 
-/** \brief Makes a grabber hand its frames to a sink: depth images if it has them (they cost nothing), else
- * clouds of PointXYZ. The sink is called by a thread of the grabber and must not wait. To be called before
- * start().
- * \param camera intrinsics of the full image, which go before those of the frames. \param rate of clouds
- * without time stamps [Hz]. Throws std::runtime_error for a grabber that has neither. */
-void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, double rate,
-                   const FrameSink& sink);
+/** \brief Makes a grabber hand its depth images to a sink, which is called by a thread of the grabber and
+ * must not wait. To be called before start(). Throws std::runtime_error for a grabber without depth images.
+ * \param camera intrinsics of the full image, which go before those of the frames */
+void connectFrames(pcl::Grabber& grabber, const std::optional<Intrinsics>& camera, const FrameSink& sink);
 
 /** \brief The device or recording to play, and how. */
 struct LiveSourceOptions {
-  std::string device;  ///< as OpenNIGrabber or V4l2Frames, a folder of PCLZF files, a path that DepthSequence
-                       ///< reads, or "-": frames on standard input (PipeFrames)
+  std::string device;  ///< as OpenNIGrabber or V4l2Frames, a path that DepthSequence reads, or "-": frames on
+                       ///< standard input (PipeFrames)
   /** A file of the device, a map made with it, or a CameraPreset; empty = the camera.ini beside its files. */
   std::string camera;
   std::string topic;         ///< topic of the messages to play; empty = RecordingHints::topic
@@ -89,7 +85,6 @@ public:
 
 private:
   void openDevice(const LiveSourceOptions& options);
-  void openPclzf(const LiveSourceOptions& options);
   void openFrames(std::shared_ptr<FrameSource> frames);
   void useNoiseOf(const Camera& usual);
 
@@ -99,12 +94,10 @@ private:
   std::optional<CameraFile> lens_camera_;  // its lens corrects frames; served files are corrected already
   std::optional<Intrinsics> calibration_;  // without a camera file
   std::unique_ptr<FilePlayer> player_;
-  std::unique_ptr<pcl::Grabber> grabber_;                    // null if there is a player
-  std::atomic<std::uint64_t> delivered_{0}, unreadable_{0};  // counts of the files that PCL plays
-  std::optional<std::uint64_t> last_;  // number of files, where only counting tells the end
-  OpenNIGrabber* device_ = nullptr;    // the same, if it is one
-  FrameGrabber* frames_ = nullptr;     // the same, if it is one
-  std::shared_ptr<PipeFrames> pipe_;   // its frames come through this pipe
+  std::unique_ptr<pcl::Grabber> grabber_;  // null if there is a player
+  OpenNIGrabber* device_ = nullptr;        // the same, if it is one
+  FrameGrabber* frames_ = nullptr;         // the same, if it is one
+  std::shared_ptr<PipeFrames> pipe_;       // its frames come through this pipe
 };
 
 }  // namespace facetloc

@@ -50,11 +50,6 @@ Header readHeader(const fs::path& file, std::string_view bytes) {
   return h;
 }
 
-std::string bytesOf(const fs::path& path) {
-  files::requireRegularFile(path);
-  return files::readBytes(path);
-}
-
 /** Nothing if there is no such number. */
 std::optional<double> numberOf(const boost::property_tree::ptree& depth, const char* key) {
   const auto words = depth.get_optional<std::string>(key);
@@ -75,10 +70,9 @@ boost::property_tree::ptree readDepthCamera(const fs::path& path) {
 
 }  // namespace
 
-void requireSoundPclzf(const fs::path& path) { readHeader(path, bytesOf(path)); }
-
 Raster<std::uint16_t> readPclzf(const fs::path& path) {
-  const std::string file = bytesOf(path);
+  files::requireRegularFile(path);
+  const std::string file = files::readBytes(path);
   const Header header = readHeader(path, file);
   const std::string_view packed = std::string_view(file).substr(kHeader, header.packed);
   if (packed.size() < header.packed)

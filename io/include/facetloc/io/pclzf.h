@@ -12,9 +12,6 @@ namespace facetloc {
 // The compressed images of PCL's recorders: frame_<time>_depth.pclzf, and the camera of each,
 // frame_<time>.xml.
 
-/** \brief Throws IoError unless a file begins as a 16-bit depth image whose sizes fit each other. */
-void requireSoundPclzf(const std::filesystem::path& path);
-
 /** \brief Reads a depth image. Throws IoError. */
 Raster<std::uint16_t> readPclzf(const std::filesystem::path& path);
 
