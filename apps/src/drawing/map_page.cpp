@@ -2,6 +2,7 @@
 #include "drawing/map_page.h"
 
 #include "cli/text.h"
+#include "drawing/depth_drawing.h"
 #include "drawing/html_text.h"
 #include "drawing/matched_segments.h"
 #include "drawing/plan_view.h"
@@ -52,19 +53,17 @@ Eigen::Matrix3d axesOf(const Matrix6d& P) {
 /** Which images have a picture, and how wide it is, so that all of them fit. */
 class Pictures {
 public:
-  Pictures(std::size_t images, std::string (*thumbnail)(const View&, int))
-      : thumbnail_(thumbnail),
-        width_(images * kLargePicture <= kPictureBytes ? 160 : 80),
+  explicit Pictures(std::size_t images)
+      : width_(images * kLargePicture <= kPictureBytes ? 160 : 80),
         every_(std::max<std::size_t>(1, (images * kSmallPicture + kPictureBytes - 1) / kPictureBytes)) {}
 
   bool has(std::size_t image) const { return width_ > 80 || image % every_ == 0; }
   void add(const View& view, Json::Value& to) const {
-    const std::string bytes = thumbnail_ ? thumbnail_(view, width_) : "";
+    const std::string bytes = depthThumbnail(view, width_);
     if (!bytes.empty()) to["image"] = base64(bytes);
   }
 
 private:
-  std::string (*thumbnail_)(const View&, int);
   int width_;          // [px]
   std::size_t every_;  // image has one
 };
@@ -141,7 +140,7 @@ public:
         page_(page),
         part_(mainPart(map)),
         numbers_(map.models.size(), -1),
-        pictures_(imageCount(), page.thumbnail) {}
+        pictures_(imageCount()) {}
 
   Json::Value write(const std::filesystem::path& path) {
     addModels();

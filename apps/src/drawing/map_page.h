@@ -49,9 +49,6 @@ struct MapPage {
   Findings findings;                   ///< about the recordings and their localization
   std::vector<OwnView> own_views;      ///< answers for the map's own images, which colour its local models
   std::vector<SurfaceChange> changes;  ///< surfaces that are gone or new
-  /** \brief Draws the depth of a view as a JPEG of about that width, depthThumbnail() in programs that have
-   * VTK; without it, there are no pictures. */
-  std::string (*thumbnail)(const View& view, int width) = nullptr;
   /** \brief The view of an answer's image, to show it and its matched local model; may be empty, and return
    * nothing or throw IoError for an image that cannot be read, which has no picture then. */
   std::function<std::optional<View>(std::size_t answer)> view;

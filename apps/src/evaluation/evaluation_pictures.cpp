@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_pictures.h"
 
-#include "drawing/depth_drawing.h"
 #include "drawing/page.h"
 #include "evaluation/evaluation_details.h"
 #include "inputs/depth_input.h"
@@ -203,7 +202,6 @@ MapPage answerPage(const Map& map, const std::vector<RunResults>& runs, const Ev
   if (evaluation)
     for (const FrameEvaluation& frame : evaluation->frames) frames[{frame.run, frame.name}] = &frame;
   MapPage page;
-  page.thumbnail = depthThumbnail;
   for (const RunResults& run : runs) {
     const std::size_t first = page.answers.size();
     for (const ResultRow& row : run.rows) {

@@ -96,8 +96,7 @@ std::string toJson(const FrameResult& frame, const std::optional<CameraMounting>
       quotedJson(best.part), poseJson(best.T_w_c), poseJson(T_w_b),
       best.P_w_c ? covarianceJson(*best.P_w_c) : kNothing, quotedJson(best.reason),
       best.not_in_map ? text::significant(*best.not_in_map) : kNothing,
-      best.shares ? sharesJson(*best.shares) : kNothing,
-      lookJson(best.next_look),
+      best.shares ? sharesJson(*best.shares) : kNothing, lookJson(best.next_look),
       best.maps.empty() ? "" : R"(,"maps":)" + objectOf(best.maps));
 }
 

@@ -4,7 +4,6 @@
 #include "batch/map_watch.h"
 #include "cli/text.h"
 #include "cli/tools.h"
-#include "drawing/depth_drawing.h"
 #include "drawing/map_page.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/pictures.h"
@@ -302,7 +301,6 @@ private:
       throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
     const auto map = std::make_shared<const Map>(openMap(input_));
     MapPage page;
-    page.thumbnail = depthThumbnail;
     page.title = "Map " + fs::path(input_).stem().string();
     page.runs = drawnRuns();
     if (self_) {

@@ -104,7 +104,8 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-/** \brief The probability that the view is of each of several maps (joinMaps()), by name; empty for one map. */
+/** \brief The probability that the view is of each of several maps (joinMaps()), by name; empty for one map.
+ */
 std::map<std::string, double> probabilitiesOfMaps(const Localization& answer, const Map& map);
 
 }  // namespace facetloc
