@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""examples/ros_node.py in a real ROS 1: a bag of a simulated drive is played, poses, tf, diagnostics and the service are read back."""
+"""ros/facetloc_ros/localization.py in a real ROS 1: a bag of a simulated drive is played, poses, tf, diagnostics and the service are read back."""
 import os
 import pathlib
 import shutil
@@ -123,7 +123,7 @@ def ros(drive):
         assert wait_for(runs), "roscore does not start"
         rospy.init_node("test", disable_signals=True)
         environment = dict(os.environ, FACETLOC_LIVE=str(TOOLS / "facetloc_live"))
-        node = subprocess.Popen([sys.executable, str(EXAMPLES / "ros_node.py"), f"_map:={folder / 'room.flmap'}", f"depth:={TOPIC}",
+        node = subprocess.Popen([sys.executable, str(EXAMPLES / "../ros/facetloc_ros/localization.py"), f"_map:={folder / 'room.flmap'}", f"depth:={TOPIC}",
                                  "camera_info:=/camera/depth/camera_info", "_options:=--every-frame"], env=environment)
         yield node
         node.terminate()
