@@ -7,12 +7,12 @@ file(GLOB_RECURSE documents RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
      ${PROJECT_SOURCE_DIR}/io/*.md ${PROJECT_SOURCE_DIR}/apps/*.md ${PROJECT_SOURCE_DIR}/apps/*.schema.json
      ${PROJECT_SOURCE_DIR}/apps/pictures/*.png ${PROJECT_SOURCE_DIR}/test/*.md
      ${PROJECT_SOURCE_DIR}/features/pictures/*.svg ${PROJECT_SOURCE_DIR}/segmentation/pictures/*.svg ${PROJECT_SOURCE_DIR}/registration/*.svg)
-list(FILTER documents EXCLUDE REGEX "^apps/examples/")
+list(FILTER documents EXCLUDE REGEX "^apps/(examples|ros)/")
 foreach(document README.md CHANGELOG.md CONTRIBUTING.md LICENSE apps/presets/paper.ini test/benchmark/large_maps.csv ${documents})
   get_filename_component(folder ${document} DIRECTORY)
   install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT dev)
 endforeach()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/apps/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/apps COMPONENT dev USE_SOURCE_PERMISSIONS)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/apps/examples ${PROJECT_SOURCE_DIR}/apps/ros DESTINATION ${CMAKE_INSTALL_DOCDIR}/apps COMPONENT dev USE_SOURCE_PERMISSIONS)
 
 # Static libraries need more than a line of flags: they are for CMake.
 if(BUILD_SHARED_LIBS)

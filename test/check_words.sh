@@ -28,7 +28,7 @@ noun='(^\s*(//|\*|/\*)|\s//).*\b[Ww]hat\b(?! to\b)(?![^.]*\?)'      # "what ..."
 fragment='^\s*(//|/\*\*)\s*(\\brief )?(Of|By|From|In) '              # begins with its attribute: name the thing first
 fragment+='(?![^.;:]*, (?!(so that|that|which|whose|where|as|since|if|unless|and|or|but|for|of|by|from|in|on|with|beyond)\b)[^.;:]*\b(is|are|was|were|has|have|may|can|must|does|do|counts?|shows?)\b)'  # but for sentences
 modules=(features segmentation registration io apps test cmake README.md CHANGELOG.md CONTRIBUTING.md)
-documents=(README.md CHANGELOG.md CONTRIBUTING.md apps/*.md apps/examples/README.md {features,segmentation,registration,io}/README.md registration/*/README.md)
+documents=(README.md CHANGELOG.md CONTRIBUTING.md apps/*.md apps/{examples,ros}/README.md {features,segmentation,registration,io}/README.md registration/*/README.md)
 files=(--include='*.h' --include='*.hpp' --include='*.cpp' --include='*.md' --include='*.py' --include='*.ini' --include='CMakeLists.txt' --exclude=test_help.cpp)
 
 code=(--include='*.h' --include='*.hpp' --include='*.cpp' features segmentation registration io apps test)

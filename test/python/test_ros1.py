@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""ros/facetloc_ros/localization.py in a real ROS 1: a bag of a simulated drive is played, poses, tf, diagnostics and the service are read back."""
+"""apps/ros in a real ROS 1, by its launch file: a bag of a simulated drive is played, poses, tf, diagnostics and services are read back."""
 import os
 import pathlib
 import shutil
@@ -17,19 +17,18 @@ rospy = pytest.importorskip("rospy", reason="ROS 1 is not installed (python3-ros
 rosbag = pytest.importorskip("rosbag", reason="python3-rosbag is not installed")
 pytest.importorskip("std_srvs.srv", reason="python3-std-srvs is not installed")
 pytest.importorskip("diagnostic_msgs.msg", reason="python3-diagnostic-msgs is not installed")
-for program, package in (("roscore", "python3-roslaunch"), ("rosbag", "python3-rosbag")):
+for program, package in (("roslaunch", "python3-roslaunch"), ("rosbag", "python3-rosbag")):
     if not shutil.which(program):
         pytest.skip(f"{program} is not installed ({package})", allow_module_level=True)
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped  # noqa: E402
-from nav_msgs.msg import Odometry  # noqa: E402
 from sensor_msgs.msg import CameraInfo, Image  # noqa: E402
 from std_srvs.srv import Empty  # noqa: E402
 from tf2_msgs.msg import TFMessage  # noqa: E402
 
 TOOLS = pathlib.Path(os.environ["FACETLOC_TOOLS"])
-EXAMPLES = pathlib.Path(os.environ["FACETLOC_EXAMPLES"])
+PACKAGE = pathlib.Path(os.environ["FACETLOC_EXAMPLES"]) / "../ros"
 TOPIC = "/camera/depth/image_rect_raw"
 
 
@@ -92,11 +91,11 @@ def drive(tmp_path_factory):
         for frame in recording:
             stamp = rospy.Time.from_sec(frame.stamp + 1)
             truth[round(stamp.to_sec(), 6)] = frame.T_w_c @ np.linalg.inv(camera.T_b_c)
-            odom = Odometry(child_frame_id="base_link")
+            odom = TransformStamped(child_frame_id="base_link")
             odom.header.frame_id, odom.header.stamp = "odom", stamp
             row = odometry[round(frame.stamp, 6)]
-            set_pose(odom.pose.pose.position, odom.pose.pose.orientation, row[:3], row[3:])
-            bag.write("/odom", odom, stamp)
+            set_pose(odom.transform.translation, odom.transform.rotation, row[:3], row[3:])
+            bag.write("/tf", TFMessage([odom]), stamp)
             info = CameraInfo(width=camera.width, height=camera.height)
             info.header.stamp = stamp
             info.P = [camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0]
@@ -122,9 +121,12 @@ def ros(drive):
     try:
         assert wait_for(runs), "roscore does not start"
         rospy.init_node("test", disable_signals=True)
-        environment = dict(os.environ, FACETLOC_LIVE=str(TOOLS / "facetloc_live"))
-        node = subprocess.Popen([sys.executable, str(EXAMPLES / "../ros/facetloc_ros/localization.py"), f"_map:={folder / 'room.flmap'}", f"depth:={TOPIC}",
-                                 "camera_info:=/camera/depth/camera_info", "_options:=--every-frame"], env=environment)
+        environment = dict(os.environ, FACETLOC_LIVE=str(TOOLS / "facetloc_live"),
+                           PATH=f"{pathlib.Path(sys.executable).parent}:{os.environ['PATH']}",  # env python3 is the one with rospy
+                           ROS_PACKAGE_PATH=f"{PACKAGE.resolve()}:{os.environ.get('ROS_PACKAGE_PATH', '/usr/share')}")
+        node = subprocess.Popen(["roslaunch", "--wait", "facetloc_ros", "localization.launch", f"map:={folder / 'room.flmap'}",
+                                 f"depth:={TOPIC}", "camera_info:=/camera/depth/camera_info", "base_frame_id:=base_link",
+                                 "options:=--every-frame"], env=environment)
         yield node
         node.terminate()
         node.wait(20)
@@ -138,12 +140,13 @@ def test_poses_and_transforms_are_right(drive, ros):
     folder, truth = drive
     poses, transforms, diagnostics = [], [], []
     rospy.Subscriber("/pose", PoseWithCovarianceStamped, poses.append)
-    rospy.Subscriber("/tf", TFMessage, transforms.append)
+    rospy.Subscriber("/tf", TFMessage, lambda message: transforms.extend(t for t in message.transforms if t.child_frame_id == "odom"))
     rospy.Subscriber("/diagnostics", DiagnosticArray, diagnostics.append)
     odometry = {}
     with rosbag.Bag(str(folder / "drive.bag")) as bag:
-        for _, message, _ in bag.read_messages("/odom"):
-            odometry[round(message.header.stamp.to_sec(), 6)] = matrix(message.pose.pose.position, message.pose.pose.orientation)
+        for _, message, _ in bag.read_messages("/tf"):
+            t = message.transforms[0]
+            odometry[round(t.header.stamp.to_sec(), 6)] = matrix(t.transform.translation, t.transform.rotation)
     subprocess.run(["rosbag", "play", "--wait-for-subscribers", "--quiet", "-d", "1", str(folder / "drive.bag")], check=True, timeout=120,
                    stdin=subprocess.DEVNULL)
     assert wait_for(lambda: len(poses) >= 30), f"{len(poses)} poses only"
@@ -167,15 +170,16 @@ def test_poses_and_transforms_are_right(drive, ros):
     assert np.max(off, axis=0)[0] < 0.3 and np.max(off, axis=0)[1] < 5, "a sure pose is right"
     assert np.all(np.quantile(off, 0.9, axis=0) < (0.1, 1)), "and seldom as far off"
     assert len(transforms) >= 30
-    for message in transforms:
-        t = message.transforms[0]
-        assert (t.header.frame_id, t.child_frame_id) == ("map", "odom")
-        stamp = round(t.header.stamp.to_sec(), 6)
+    for t in transforms:
+        assert t.header.frame_id == "map"
+        stamp = round(t.header.stamp.to_sec() - 1, 6)  # transform_tolerance
         T_w_b = matrix(t.transform.translation, t.transform.rotation) @ odometry[stamp]
         assert np.linalg.norm(T_w_b[:3, 3] - truth[stamp][:3, 3]) < 0.15
     assert any(s.level in (DiagnosticStatus.OK, b"\0") and s.name == "facetloc" for d in diagnostics for s in d.status)
 
-    rospy.wait_for_service("/relocalize", 10)
-    rospy.ServiceProxy("/relocalize", Empty)()
+    latched = rospy.wait_for_message("/amcl_pose", PoseWithCovarianceStamped, 10)
+    assert (latched.pose.pose.position.z, latched.pose.pose.orientation.x) == (0, 0)
+    for service in ("/reinitialize_global_localization", "/global_localization"):
+        rospy.wait_for_service(service, 10)
+        rospy.ServiceProxy(service, Empty)()
     assert ros.poll() is None
-

@@ -1,240 +1,261 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Localization of a depth camera as a node of ROS 1 (rospy) or ROS 2 (rclpy), whichever is installed.
-
-Tested with ROS 1 as Debian 12 has it (python3-rospy); the part for ROS 2, class Ros2, has not been run yet.
-
-    ros_node.py _map:=office.flmap depth:=/camera/depth/image_rect_raw        ROS 1
-    ros_node.py --ros-args -p map:=office.flmap -r depth:=/camera/...         ROS 2
-
-In: depth (sensor_msgs/Image, 16UC1 or 32FC1), camera_info, odom (nav_msgs/Odometry), initialpose, tf_static with the camera on the
-base. Out: pose (PoseWithCovarianceStamped, of the base; of the camera if tf_static does not say where it is), tf map -> odom,
-diagnostics; service relocalize (std_srvs/Empty). Parameters: map, map_frame, options (of facetloc_live, such as "--camera camera.ini").
-Poses are published only if they are sure."""
-import collections
+"""Localization as a robot sees it: images and transforms in, sure poses out. Plain Python: the argument ros, a Ros1 or a Ros2, speaks to
+ROS, and the program facetloc_live localizes."""
 import json
 import os
 import shlex
 import subprocess
-import sys
 import threading
+import time
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import CameraInfo, Image
-from tf2_msgs.msg import TFMessage
 
-try:
-    import rospy
-    from std_srvs.srv import Empty, EmptyResponse
-except ImportError:
-    rospy = None
-    import rclpy
-    import rclpy.time
-    from rclpy.qos import DurabilityPolicy, QoSProfile
-    from std_srvs.srv import Empty
+from .geometry import Frames, exchanged, moved, planar, pose_matrix, quaternion_of, symmetric
 
-class Ros1:
-    def __init__(self, name):
-        rospy.init_node(name)
-        self.log = rospy.logwarn
-    def parameter(self, name, default):
-        return rospy.get_param("~" + name, default)
-    def subscribe(self, kind, topic, callback, latched=False):
-        rospy.Subscriber(topic, kind, callback, queue_size=100 if latched else 10, buff_size=1 << 24)
-    def resolved(self, topic):
-        return rospy.resolve_name(topic)
-    def publisher(self, kind, topic):
-        return rospy.Publisher(topic, kind, queue_size=10)
-    def service(self, name, act):
-        self.served = rospy.Service(name, Empty, lambda _: (act(), EmptyResponse())[1])
-    def seconds(self, stamp):
-        return stamp.to_sec()
-    def stamp(self, seconds):
-        return rospy.Time.from_sec(seconds)
-    def spin(self, ended):
-        while not rospy.is_shutdown() and not ended():
-            rospy.rostime.wallsleep(0.1)
+#: Names and defaults of nav2_amcl where it has such a parameter; map, options and odom_topic are ours.
+PARAMETERS = {"map": "", "options": "", "odom_topic": "", "base_frame_id": "base_footprint", "global_frame_id": "map",
+              "odom_frame_id": "odom", "tf_broadcast": True, "transform_tolerance": 1.0, "set_initial_pose": False,
+              "initial_pose.x": 0.0, "initial_pose.y": 0.0, "initial_pose.z": 0.0, "initial_pose.yaw": 0.0}
+OK, WARN, ERROR = range(3)
+ENCODINGS = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
+UNSTATED = np.diag(3 * [np.radians(30)**2] + 3 * [1.0])  # covariance of a start that states none, as of facetloc_live
 
-class Ros2:
-    def __init__(self, name):
-        rclpy.init()
-        self.node = rclpy.create_node(name)
-        self.log = self.node.get_logger().warning
-    def parameter(self, name, default):
-        return self.node.declare_parameter(name, default).value
-    def subscribe(self, kind, topic, callback, latched=False):
-        durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
-        self.node.create_subscription(kind, topic, callback, QoSProfile(depth=100 if latched else 10, durability=durability))
-    def resolved(self, topic):
-        return self.node.resolve_topic_name(topic)
-    def publisher(self, kind, topic):
-        return self.node.create_publisher(kind, topic, 10)
-    def service(self, name, act):
-        self.node.create_service(Empty, name, lambda _, response: (act(), response)[1])
-    def seconds(self, stamp):
-        return stamp.sec + 1e-9 * stamp.nanosec
-    def stamp(self, seconds):
-        return rclpy.time.Time(nanoseconds=round(1e9 * seconds)).to_msg()
-    def spin(self, ended):
-        while rclpy.ok() and not ended():
-            rclpy.spin_once(self.node, timeout_sec=0.1)
-
-def matrix(position, q):  # of numbers, quaternion x y z w
-    x, y, z, w = np.asarray(q, float) / np.linalg.norm(q)
-    T = np.eye(4)
-    T[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    T[:3, 3] = position
-    return T
-
-def xyz(v):
-    return [v.x, v.y, v.z]
-
-def xyzw(q):
-    return [q.x, q.y, q.z, q.w]
-
-def quaternion(R):  # by its largest component, x y z w
-    K = np.array([[R[0, 0] - R[1, 1] - R[2, 2], 0, 0, 0], [R[1, 0] + R[0, 1], R[1, 1] - R[0, 0] - R[2, 2], 0, 0],
-                  [R[2, 0] + R[0, 2], R[2, 1] + R[1, 2], R[2, 2] - R[0, 0] - R[1, 1], 0],
-                  [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], np.trace(R)]])
-    return [float(c) for c in np.linalg.eigh(K)[1][:, 3]]  # of the lower triangle
 
 def as_json(T):
-    return {"position": [float(c) for c in T[:3, 3]], "quaternion": quaternion(T[:3, :3])}
+    return {"position": [float(c) for c in T[:3, 3]], "quaternion": quaternion_of(T[:3, :3])}
 
-def fill(to_position, to_rotation, T):
-    to_position.x, to_position.y, to_position.z = (float(c) for c in T[:3, 3])
-    to_rotation.x, to_rotation.y, to_rotation.z, to_rotation.w = quaternion(T[:3, :3])
 
-def moved(upper, lever):  # the stream's covariance for a point that lies elsewhere on the robot, in the order of ROS
-    P = np.zeros((6, 6))
-    P[np.triu_indices(6)] = upper
-    P += np.triu(P, 1).T
-    J = np.eye(6)  # an error of the rotation moves the point
-    J[3:, :3] = -np.array([[0, -lever[2], lever[1]], [lever[2], 0, -lever[0]], [-lever[1], lever[0], 0]])
-    P = J @ P @ J.T
-    return P[np.ix_([3, 4, 5, 0, 1, 2], [3, 4, 5, 0, 1, 2])].ravel().tolist()
+def pose_of(pose):
+    """(4, 4) of a geometry_msgs/Pose."""
+    p, q = pose.position, pose.orientation
+    return pose_matrix([p.x, p.y, p.z], [q.x, q.y, q.z, q.w])
 
-class Node:
+
+def millimetres(image):
+    """The bytes of a sensor_msgs/Image as facetloc_live takes them: 16 bit, little-endian. Raises ValueError for other images."""
+    if image.encoding not in ENCODINGS:
+        raise ValueError(f"images of the encoding {image.encoding} are no depth images, which are {', '.join(ENCODINGS)}")
+    kind = np.dtype((">" if image.is_bigendian else "<") + ENCODINGS[image.encoding])
+    if image.step < image.width * kind.itemsize or len(image.data) < image.height * image.step:
+        raise ValueError(f"an image has {len(image.data)} bytes, fewer than its size says")
+    rows = np.frombuffer(image.data, np.uint8)[:image.height * image.step].reshape(image.height, image.step)
+    depth = np.ascontiguousarray(rows[:, :image.width * kind.itemsize]).view(kind)
+    if kind.kind == "f":  # metres
+        depth = np.where(np.isfinite(depth) & (depth > 0) & (depth < 65.5), np.round(1000 * np.nan_to_num(depth, posinf=0, neginf=0)), 0)
+    return depth.astype("<u2").tobytes()
+
+
+def optics(info, image, rectified):
+    """Intrinsics and lens by the keys of camera.ini. rectified: the image has no distortion, and P holds. Raises ValueError if they are not
+    those of the image."""
+    K, P, D = (getattr(info, name, getattr(info, name.lower(), None)) for name in "KPD")  # in capitals in ROS 1
+    fx, cx, fy, cy = (float((P if rectified else K)[i]) for i in ((0, 2, 5, 6) if rectified else (0, 2, 4, 5)))
+    if not (fx > 0 and fy > 0):
+        raise ValueError("camera_info has no focal length: calibrate the camera")
+    roi, bins = info.roi, (max(info.binning_x, 1), max(info.binning_y, 1))
+    size = (roi.width or info.width) // bins[0], (roi.height or info.height) // bins[1]
+    if size != (image.width, image.height):
+        raise ValueError(f"images are of {image.width}x{image.height} pixels, camera_info of {size[0]}x{size[1]}: they are not of one camera")
+    keys = {"fx": fx / bins[0], "fy": fy / bins[1], "cx": (cx - roi.x_offset) / bins[0], "cy": (cy - roi.y_offset) / bins[1]}
+    if rectified or not any(D):
+        return keys
+    if info.distortion_model not in ("", "plumb_bob", "rational_polynomial") or any(D[8:]):
+        raise ValueError(f"the lens model {info.distortion_model} is not known: rectify the images")
+    return {**keys, **{k: float(d) for k, d in zip(("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"), D) if d}}
+
+
+class Localization:
     def __init__(self, ros):
-        self.ros, self.lock = ros, threading.Lock()
-        self.info, self.camera_frame, self.odom_frame, self.base_frame, self.T_map_odom = None, "", "", "", None
-        self.static, self.odometry, self.told = {}, collections.deque(maxlen=1000), None
-        self.map_frame = ros.parameter("map_frame", "map")
-        command = [os.environ.get("FACETLOC_LIVE", "facetloc_live"), "--device", "-", "--map", ros.parameter("map", ""), "--headless",
-                   "--stream", "--wait", *shlex.split(ros.parameter("options", ""))]
+        self.ros, self.lock, self.sending = ros, threading.RLock(), threading.Lock()
+        self.values = {name: ros.parameter(name, default) for name, default in PARAMETERS.items()}
+        # Our own transform, and one that odom_topic replaces.
+        self.unread = {self.values["global_frame_id"], *([self.values["odom_frame_id"]] if self.values["odom_topic"] else [])}
+        self.frames, self.info, self.camera_frame, self.start = Frames(), None, "", None
+        self.images = self.images_without_info = 0
+        self.answer, self.problem, self.last_sure = None, "", None
+        self.unposed, self.uncorrected, self.odometry_sent = None, None, None
+        self.reported, self.reported_at = None, -1.0
+        if self.values["set_initial_pose"]:
+            x, y, z, yaw = (self.values["initial_pose." + name] for name in ("x", "y", "z", "yaw"))
+            self.start = pose_matrix([x, y, z], [0, 0, np.sin(yaw / 2), np.cos(yaw / 2)]), UNSTATED
+        command = [os.environ.get("FACETLOC_LIVE", "facetloc_live"), "--device", "-", "--map", self.values["map"], "--headless", "--stream",
+                   "--wait", *shlex.split(self.values["options"])]
         self.live = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        self.pose, self.tf = ros.publisher(PoseWithCovarianceStamped, "pose"), ros.publisher(TFMessage, "/tf")
-        self.diagnostics = ros.publisher(DiagnosticArray, "/diagnostics")
-        self.reader = threading.Thread(target=self.read, daemon=True)
-        self.reader.start()
-        ros.subscribe(TFMessage, "/tf_static", self.on_static, latched=True)
-        ros.subscribe(CameraInfo, "camera_info", lambda info: setattr(self, "info", info))
-        ros.subscribe(Odometry, "odom", self.on_odometry)
-        ros.subscribe(PoseWithCovarianceStamped, "initialpose", self.on_start)
-        ros.subscribe(Image, "depth", self.on_image)
-        ros.service("relocalize", lambda: self.send({"relocalize": True}))
+        threading.Thread(target=self.read, daemon=True).start()
+        ros.subscribe("TFMessage", "/tf_static", lambda message: self.on_transforms(message, static=True), "latched")
+        ros.subscribe("TFMessage", "/tf", self.on_transforms, "reliable")
+        for quality in ("sensor", "latched"):  # some drivers send it once, others with each image
+            ros.subscribe("CameraInfo", "camera_info", self.on_info, quality)
+        if self.values["odom_topic"]:
+            ros.subscribe("Odometry", self.values["odom_topic"], self.on_odometry, "sensor")
+        ros.subscribe("PoseWithCovarianceStamped", "initialpose", self.on_start, "reliable")
+        ros.subscribe("Image", "depth", self.on_image, "image")
+        ros.service("reinitialize_global_localization", self.relocalize)
 
     def send(self, header, pixels=b""):
         try:
-            with self.lock:
+            with self.sending:
                 self.live.stdin.write(json.dumps(header).encode() + b"\n" + pixels)
                 self.live.stdin.flush()
         except BrokenPipeError:
-            pass  # spin() ends
+            pass  # tick() reports it
 
-    def on_static(self, message):
+    # What the robot says
+
+    def on_transforms(self, message, static=False):
         for t in message.transforms:
-            self.static[t.child_frame_id] = t.header.frame_id, matrix(xyz(t.transform.translation), xyzw(t.transform.rotation))
-
-    def base_to_camera(self):  # None where tf_static does not lead from one to the other
-        frame, T = self.camera_frame, np.eye(4)
-        for _ in range(len(self.static) + 1):
-            if frame == (self.base_frame or "base_link"):
-                return T
-            if frame not in self.static:
-                return None
-            frame, step = self.static[frame]
-            T = step @ T
-        return None
+            if t.header.frame_id in self.unread:
+                continue
+            v, q = t.transform.translation, t.transform.rotation
+            self.on_transform(t.header.frame_id, t.child_frame_id, None if static else self.ros.seconds(t.header.stamp), [v.x, v.y, v.z],
+                              [q.x, q.y, q.z, q.w])
 
     def on_odometry(self, message):
-        self.odom_frame, self.base_frame = message.header.frame_id, message.child_frame_id
-        T_o_b, stamp = matrix(xyz(message.pose.pose.position), xyzw(message.pose.pose.orientation)), self.ros.seconds(message.header.stamp)
-        self.odometry.append((stamp, T_o_b))
-        T_b_c = self.base_to_camera()
-        if T_b_c is not None:
-            self.send({"stamp": stamp, "T_w_c": as_json(T_o_b @ T_b_c)})
+        p, q = message.pose.pose.position, message.pose.pose.orientation
+        self.on_transform(self.values["odom_frame_id"], message.child_frame_id or self.values["base_frame_id"],
+                          self.ros.seconds(message.header.stamp), [p.x, p.y, p.z], [q.x, q.y, q.z, q.w])
+
+    def on_transform(self, parent, child, stamp, position, quaternion):
+        try:
+            T = pose_matrix(position, quaternion)
+        except ValueError as error:
+            self.ros.log(f"{parent} -> {child}: {error}")
+            return
+        with self.lock:
+            self.frames.add(parent.lstrip("/"), child.lstrip("/"), stamp, T)
+            odom = self.values["odom_frame_id"]
+            newest = self.frames.newest(odom, self.camera_frame)
+            T_odom_camera = None if newest in (None, self.odometry_sent) else self.frames.transform(odom, self.camera_frame, newest)
+            self.publish()
+        if T_odom_camera is not None:
+            self.odometry_sent = newest
+            self.send({"stamp": newest, "T_w_c": as_json(T_odom_camera)})
+
+    def on_info(self, message):
+        self.info = message
 
     def on_start(self, message):
-        T_b_c = self.base_to_camera()
-        T_w_b = matrix(xyz(message.pose.pose.position), xyzw(message.pose.pose.orientation))
-        self.send({"pose": {"T_w_c": as_json(T_w_b @ (np.eye(4) if T_b_c is None else T_b_c))}})
+        """The pose applies to the next image from which tf leads to the base."""
+        frame, own = message.header.frame_id.lstrip("/"), self.values["global_frame_id"]
+        if frame != own:
+            self.ros.log(f"an initial pose in the frame '{frame}' is ignored: it has to be in '{own}'")
+            return
+        P = exchanged(message.pose.covariance)
+        unstated = np.diag(P) <= 0  # RViz states x, y and yaw
+        P[unstated, :], P[:, unstated] = 0, 0
+        P += np.diag(np.where(unstated, np.diag(UNSTATED), 0))
+        try:
+            T_w_b = pose_of(message.pose.pose)
+            np.linalg.cholesky(P)
+        except (ValueError, np.linalg.LinAlgError) as error:
+            self.ros.log(f"an initial pose is ignored: {error}")
+            return
+        self.start = T_w_b, P
 
-    def on_image(self, message):
+    def relocalize(self):
+        self.start = None
+        self.send({"relocalize": True})
+
+    def on_image(self, image):
+        self.images += 1
         if self.info is None:
+            self.images_without_info += 1
             return
-        kinds = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
-        if message.encoding not in kinds:
-            self.ros.log(f"depth images of {message.encoding} are not known, only of {', '.join(kinds)}")
+        try:
+            pixels, keys = millimetres(image), optics(self.info, image, "rect" in self.ros.resolved("depth"))
+        except ValueError as error:
+            self.problem = str(error)
             return
-        kind = np.dtype((">" if message.is_bigendian else "<") + kinds[message.encoding])
-        rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)[:, :message.width * kind.itemsize]
-        depth = np.ascontiguousarray(rows).view(kind)
-        if kind.kind == "f":  # metres
-            depth = np.where(np.isfinite(depth) & (depth < 65.5), np.round(1000 * np.nan_to_num(depth, posinf=0)), 0)
-        self.camera_frame = message.header.frame_id
-        self.send({"stamp": self.ros.seconds(message.header.stamp), "width": message.width, "height": message.height, **self.optics()},
-                  depth.astype("<u2").tobytes())
+        self.problem, self.camera_frame, stamp = "", image.header.frame_id.lstrip("/"), self.ros.seconds(image.header.stamp)
+        with self.lock:
+            T_b_c = self.base_to_camera(stamp)
+        if self.start is not None and T_b_c is not None:
+            (T_w_b, P), self.start = self.start, None
+            T_w_c = T_w_b @ T_b_c
+            P = moved(P, T_w_c[:3, 3] - T_w_b[:3, 3])[np.triu_indices(6)]
+            self.send({"pose": {"T_w_c": as_json(T_w_c), "covariance": P.tolist()}})
+        self.send({"stamp": stamp, "width": image.width, "height": image.height, **keys}, pixels)
 
-    def optics(self):  # of an image without distortion if its topic is called rect...
-        K, P, D = (getattr(self.info, n, getattr(self.info, n.lower(), None)) for n in "KPD")
-        if "rect" in self.ros.resolved("depth"):
-            return dict(zip(("fx", "cx", "fy", "cy"), (float(P[i]) for i in (0, 2, 5, 6))))
-        lens = {k: float(d) for k, d in zip(("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"), D) if d}
-        return {**dict(zip(("fx", "cx", "fy", "cy"), (float(K[i]) for i in (0, 2, 4, 5)))), **lens}
+    def base_to_camera(self, stamp):
+        """T_b_c at a time; of a static mounting at any; None if tf does not say it."""
+        base = self.values["base_frame_id"] or self.camera_frame  # a camera in the hand
+        newest = self.frames.newest(base, self.camera_frame)
+        return self.frames.transform(base, self.camera_frame, stamp if newest is None else min(stamp, newest))
+
+    # What facetloc_live answers
 
     def read(self):
         for line in self.live.stdout:
             answer = json.loads(line)
             if "state" in answer:  # not of another kind, such as a finding
-                self.tell(answer)
+                self.on_answer(answer)
 
-    def tell(self, answer):
-        sure = answer["state"] == "sure" and answer["T_w_c"] and not answer["part"]
-        T_b_c, stamp = self.base_to_camera(), self.ros.stamp(answer["stamp"])
-        if sure:
-            T_w_c = matrix(answer["T_w_c"]["position"], answer["T_w_c"]["quaternion"])
-            T_w_b = T_w_c if T_b_c is None else T_w_c @ np.linalg.inv(T_b_c)
-            out = PoseWithCovarianceStamped()
-            out.header.frame_id, out.header.stamp = self.map_frame, stamp
-            fill(out.pose.pose.position, out.pose.pose.orientation, T_w_b)
-            out.pose.covariance = moved(answer["covariance"], T_w_b[:3, 3] - T_w_c[:3, 3])
-            self.pose.publish(out)
-            near = min(self.odometry, key=lambda o: abs(o[0] - answer["stamp"]), default=None)
-            if near and abs(near[0] - answer["stamp"]) < 0.1 and T_b_c is not None:
-                self.T_map_odom = T_w_b @ np.linalg.inv(near[1])
-        if self.T_map_odom is not None:  # which odometry carries on while no pose is sure
-            t = TransformStamped()
-            t.header.frame_id, t.header.stamp, t.child_frame_id = self.map_frame, stamp, self.odom_frame
-            fill(t.transform.translation, t.transform.rotation, self.T_map_odom)
-            self.tf.publish(TFMessage([t]) if rospy else TFMessage(transforms=[t]))
-        if self.told is None or answer["state"] != self.told[0] or not 0 <= answer["stamp"] - self.told[1] < 1:
-            self.told = answer["state"], answer["stamp"]
-            status = DiagnosticStatus(name="facetloc", message=answer["reason"] or answer["state"], hardware_id=self.camera_frame)
-            status.level = {"sure": DiagnosticStatus.OK, "doubtful": DiagnosticStatus.WARN}.get(answer["state"], DiagnosticStatus.ERROR)
-            out = DiagnosticArray(status=[status])
-            out.header.stamp = stamp
-            self.diagnostics.publish(out)
+    def on_answer(self, answer):
+        with self.lock:
+            sure = answer["state"] == "sure" and answer["T_w_c"] is not None and not answer["part"]
+            self.answer, self.unposed, self.uncorrected = answer, answer if sure else None, None
+            if sure:
+                self.last_sure = answer["stamp"]
+            self.publish()
 
-ros = Ros1("facetloc") if rospy else Ros2("facetloc")
-node = Node(ros)
-try:
-    ros.spin(lambda: node.live.poll() is not None)
-finally:
-    node.live.terminate()
-sys.exit(node.live.wait() if node.live.returncode not in (None, 0, -15) else 0)
+    def publish(self):
+        """The sure pose, and the correction of the odometry as soon as tf knows the odometry of its time. Nothing while it is not sure."""
+        if self.unposed is not None:
+            answer, stamp = self.unposed, self.unposed["stamp"]
+            T_b_c = self.base_to_camera(stamp)
+            if T_b_c is not None:
+                T_w_c = pose_matrix(answer["T_w_c"]["position"], answer["T_w_c"]["quaternion"])
+                T_w_b = T_w_c @ np.linalg.inv(T_b_c)
+                P = exchanged(moved(symmetric(answer["covariance"]), T_w_b[:3, 3] - T_w_c[:3, 3]))
+                flat = np.zeros((6, 6))
+                flat[np.ix_([0, 1, 5], [0, 1, 5])] = P[np.ix_([0, 1, 5], [0, 1, 5])]
+                self.ros.publish_pose("pose", stamp, self.values["global_frame_id"], T_w_b, P)
+                self.ros.publish_pose("amcl_pose", stamp, self.values["global_frame_id"], planar(T_w_b), flat)
+                self.unposed, self.uncorrected = None, (stamp, T_w_b)
+        if self.uncorrected is not None and self.values["tf_broadcast"]:
+            stamp, T_w_b = self.uncorrected
+            odom = self.values["odom_frame_id"]
+            T_odom_base = self.frames.transform(odom, self.values["base_frame_id"] or self.camera_frame, stamp)
+            if T_odom_base is not None:
+                self.uncorrected = None
+                self.ros.publish_transform(stamp + self.values["transform_tolerance"], self.values["global_frame_id"], odom,
+                                           T_w_b @ np.linalg.inv(T_odom_base))
+
+    # What a supervisor wants to know
+
+    def status(self):
+        if self.live.poll() is not None:
+            return ERROR, f"facetloc_live has ended with exit code {self.live.returncode}"
+        if self.problem:
+            return ERROR, self.problem
+        if not self.images:
+            return WARN, f"no image on {self.ros.resolved('depth')} yet"
+        if self.info is None:
+            return WARN, f"no message on {self.ros.resolved('camera_info')} yet: {self.images_without_info} images could not be used"
+        if self.answer is None:
+            return WARN, "no answer yet"
+        if self.answer["state"] == "sure" and self.unposed is not None:
+            return ERROR, f"sure, but tf does not lead from {self.camera_frame} to {self.values['base_frame_id']}: no pose is published"
+        if self.answer["state"] == "sure" and self.answer["part"]:
+            return WARN, f"sure in the part {self.answer['part']} of the map, which has no place in {self.values['global_frame_id']}"
+        level = {"sure": OK, "doubtful": WARN}.get(self.answer["state"], ERROR)
+        return level, self.answer["reason"] or self.answer["state"]
+
+    def tick(self):
+        """Reports on a change, else once a second. True while facetloc_live runs."""
+        with self.lock:
+            level, message = self.status()
+            answer, now = self.answer or {}, time.monotonic()
+            values = {"state": answer.get("state", ""), "probability": answer.get("probability", ""), "not in map": answer.get("not_in_map", ""),
+                      "last sure pose [s]": "" if self.last_sure is None else f"{self.last_sure:.6f}", "images": self.images,
+                      "images before camera_info": self.images_without_info,
+                      "odometry": "yes" if self.frames.newest(self.values["odom_frame_id"], self.camera_frame) is not None else "no"}
+        if level != self.reported or now - self.reported_at >= 1:
+            self.reported, self.reported_at = level, now
+            self.ros.publish_status(level, "facetloc", message, self.camera_frame, {k: str(v) for k, v in values.items()})
+        return self.live.poll() is None
+
+    def stop(self):
+        """Exit code: 0 if it was facetloc_live's own end or ours, else facetloc_live's."""
+        self.live.terminate()
+        return max(self.live.wait(), 0)
