@@ -31,11 +31,11 @@ for line in iter(sys.stdin.buffer.readline, b""):
 
 
 def rotation(v):
-    """exp of a rotation vector, by Rodrigues."""
-    angle = np.linalg.norm(v)
-    x, y, z = v / angle if angle else v
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    """exp of rotation vectors (..., 3), by Rodrigues."""
+    angle = np.linalg.norm(v, axis=-1)[..., None, None]
+    x, y, z = np.moveaxis(np.asarray(v, float), -1, 0)
+    K = np.stack([0 * x, -z, y, z, 0 * x, -x, -y, x, 0 * x], axis=-1).reshape(*np.shape(x), 3, 3)
+    return np.eye(3) + np.sinc(angle / np.pi) * K + np.sinc(angle / 2 / np.pi)**2 / 2 * K @ K
 
 
 def pose(v, t):
@@ -59,15 +59,13 @@ def matrix(p, q):
 
 def sampled(P, T, moved, swap):
     """Covariance of the pose moved(T), by samples of T's errors (exp(phi) R, t + dt), rotation first in and, with swap, position first out."""
-    rng, out = np.random.default_rng(1), []
-    for error in rng.multivariate_normal(np.zeros(6), P, 20000):
-        other = T.copy()
-        other[:3, :3], other[:3, 3] = rotation(error[:3]) @ T[:3, :3], T[:3, 3] + error[3:]
-        R = moved(other)[:3, :3] @ moved(T)[:3, :3].T
-        phi = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
-        dt = moved(other)[:3, 3] - moved(T)[:3, 3]
-        out.append([*dt, *phi] if swap else [*phi, *dt])
-    return np.cov(np.array(out).T)
+    errors = np.random.default_rng(1).multivariate_normal(np.zeros(6), P, 20000)
+    others = np.repeat(T[None], len(errors), axis=0)
+    others[:, :3, :3], others[:, :3, 3] = rotation(errors[:, :3]) @ T[:3, :3], T[:3, 3] + errors[:, 3:]
+    R = moved(others)[:, :3, :3] @ moved(T)[:3, :3].T
+    phi = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1) / 2
+    dt = moved(others)[:, :3, 3] - moved(T)[:3, 3]
+    return np.cov(np.hstack([dt, phi] if swap else [phi, dt]).T)
 
 
 def agree(P, Q):
