@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """import facetloc: as the tools answer, and as the simulator knows better."""
+import copy
 import csv
+import html
+import inspect
 import json
 import os
 import pathlib
+import pickle
+import pydoc
 import subprocess
 import sys
 import threading
@@ -214,12 +219,128 @@ def test_errors_are_exceptions_with_the_sentences_of_the_tools(room, tmp_path):
         localizer.set_pose(2 * np.eye(4))
     with pytest.raises(ValueError, match="no part 'cellar'"):
         localizer.set_pose(np.eye(4), part="cellar")
-    with pytest.raises(ValueError, match="motion has no covariance"):
+    with pytest.raises(ValueError, match="motion_covariance is missing"):
         localizer.update(np.zeros((3, 4)), camera, 0, motion=np.eye(4))
     with pytest.raises(RuntimeError):
         facetloc.MapMaking(camera).finish()
     with pytest.raises(ValueError, match="moon"):
         facetloc.simulate("moon")
+
+
+def test_errors_name_the_argument(room):
+    office = facetloc.Map.open(room / "room.flmap")
+    camera, depth = facetloc.Camera("kinect", width=320, height=240), np.zeros((240, 320), np.uint16)
+    localizer, making = facetloc.Localizer(office), facetloc.MapMaking(camera)
+    for error, words, call in (
+            (TypeError, "^depth is of the type Camera", lambda: facetloc.segment(camera, depth)),
+            (TypeError, "^camera is of the type ndarray, not Camera", lambda: facetloc.segment(depth, depth)),
+            (TypeError, "^target_camera is of the type Map", lambda: facetloc.register(depth, depth, camera, office)),
+            (ValueError, r"^target has the shape \(3, 4\)", lambda: facetloc.register(depth, np.zeros((3, 4)), camera)),
+            (ValueError, "^width = -1", lambda: facetloc.segment(depth, camera, width=-1)),
+            (TypeError, "^map is of the type str, not Map", lambda: facetloc.Localizer("room.flmap")),
+            (ValueError, r"^min_probability = 2 .* \[0, 1\]", lambda: facetloc.Localizer(office, min_probability=2)),
+            (TypeError, "^threads is of the type float", lambda: facetloc.Localizer(office, threads=1.5)),
+            (TypeError, "^path is of the type NoneType", lambda: facetloc.Map.open(None)),
+            (TypeError, "^camera is of the type Camera, not a path", lambda: facetloc.Recording.open(room / "query", camera=camera)),
+            (ValueError, "^near is no rigid transform", lambda: localizer.localize(depth, camera, near=2 * np.eye(4))),
+            (TypeError, "^near is of the type str", lambda: localizer.localize(depth, camera, near="here")),
+            (ValueError, "^covariance has the shape", lambda: localizer.set_pose(np.eye(4), covariance=np.eye(3))),
+            (ValueError, "^stamp = nan", lambda: localizer.update(depth, camera, float("nan"))),
+            (TypeError, "^stamp is of the type str", lambda: making.add(depth, "now")),
+            (ValueError, "^gravity has not three", lambda: making.add(depth, 0, gravity=[1])),
+            (ValueError, "^frames = 0", lambda: facetloc.simulate(frames=0)),
+            (TypeError, r"^answers\[0\] is of the type int", lambda: facetloc.draw(office, [1])),
+            (TypeError, "give one of them", lambda: facetloc.Camera("kinect", camera="kinect")),
+            (OSError, "known: kinect, xtion", lambda: facetloc.Camera("webcam"))):
+        with pytest.raises(error, match=words):
+            call()
+
+
+def test_everything_is_described_at_run_time(room):
+    assert all(hasattr(facetloc, name) for name in facetloc.__all__)
+    cmake = (EXAMPLES / "../../CMakeLists.txt").read_text(encoding="utf-8")
+    assert f"project(facetloc VERSION {facetloc.__version__} " in cmake
+    for name in facetloc.__all__:
+        described = getattr(facetloc, name)
+        if not isinstance(described, type):
+            continue
+        assert inspect.getdoc(described), name
+        for member, value in vars(described).items():
+            if not member.startswith("_") and (callable(value) or isinstance(value, (property, staticmethod, classmethod))):
+                assert inspect.getdoc(value), f"{name}.{member}"
+    assert "Camera(\"azure_kinect\")" in pydoc.render_doc(facetloc.Camera)
+    drive, office = facetloc.Recording.open(room / "query"), facetloc.Map.open(room / "room.flmap")
+    localizer = facetloc.Localizer(office)
+    answer = localizer.localize(drive[0].depth, drive.camera)
+    texts = [repr(x) for x in (drive, drive[0], drive.camera, office, office.models[0], office.segments(0)[0], localizer, answer,
+                               facetloc.MapMaking(drive.camera), facetloc.segment(drive[0].depth, drive.camera), *answer.hypotheses)]
+    assert all(len(text) < 400 and " object at " not in text for text in texts)
+    assert eval(repr(drive.camera), {"Camera": facetloc.Camera}) == drive.camera  # pylint: disable=eval-used
+
+
+def test_a_preset_is_a_camera_with_its_usual_images():
+    for name in facetloc.Camera.presets():
+        camera = facetloc.Camera(name)
+        assert camera == facetloc.Camera(camera=name, width=camera.width, height=camera.height)
+        assert 0.4 < camera.fx / camera.width < 2 and abs(camera.cx / camera.width - 0.5) < 0.1
+    assert facetloc.Camera("kinect", width=320, height=240).fx == facetloc.Camera("kinect").fx / 2
+
+
+def test_cameras_and_maps_can_be_copied_and_pickled(room, tmp_path):
+    camera = facetloc.Camera("azure_kinect", mount_height=0.98, mount_tilt_deg=10, k1=1 / 3, depth_is="distance")
+    for other in (pickle.loads(pickle.dumps(camera)), copy.copy(camera), copy.deepcopy([camera])[0], facetloc.Camera(**camera.keys)):
+        assert other == camera and hash(other) == hash(camera) and np.array_equal(other.T_b_c, camera.T_b_c)
+    assert camera != facetloc.Camera("azure_kinect") and camera != 3
+    office = facetloc.Map.open(room / "room.flmap")
+    again = pickle.loads(pickle.dumps(office))
+    assert again.path == office.path and [m.name for m in again.models] == [m.name for m in office.models]
+    assert len(copy.copy(office)) == len(copy.deepcopy([office])[0]) == len(office)
+    own = _map_of("room", 5)
+    with pytest.raises(TypeError, match="save"):
+        pickle.dumps(own)
+    own.save(tmp_path / "own.flmap")
+    assert len(pickle.loads(pickle.dumps(own))) == len(own)
+
+
+def _map_of(scene, seed):
+    drive = facetloc.simulate(scene, seed=seed, frames=12)
+    making = facetloc.MapMaking(drive.camera)
+    for frame in drive:
+        making.add(frame.depth, frame.stamp, T_w_c=frame.T_w_c)
+    return making.finish()
+
+
+def test_a_map_is_drawn_with_its_walls_and_answers(room):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    plt.switch_backend("Agg")
+    office, drive = facetloc.Map.open(room / "room.flmap"), facetloc.Recording.open(room / "query")
+    localizer = facetloc.Localizer(office)
+    answers = [localizer.update(frame.depth, drive.camera, frame.stamp) for frame in drive]
+    ax = facetloc.draw(office, answers)
+    walls, *arrows = ax.collections
+    ends = np.concatenate(walls.get_segments())
+    truth = np.array([f.T_w_c[:2, 3] for f in drive])
+    assert np.all(ends.min(axis=0) < truth.min(axis=0)) and np.all(ends.max(axis=0) > truth.max(axis=0)), "walls enclose the drive"
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    sure = sum(answer.sure for answer in answers)
+    assert f"sure ({sure})" in labels and len(ax.patches) == sure > 5
+    assert facetloc.draw(office, answers[-1], ax=ax) is ax
+
+
+def test_a_map_is_shown_as_a_page(room, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setenv("PATH", "/nowhere")
+    with pytest.raises(FileNotFoundError, match="facetloc_render"):
+        facetloc.show(facetloc.Map.open(room / "room.flmap"))
+    monkeypatch.setenv("PATH", f"{TOOLS}:/usr/bin:/bin")
+    page = facetloc.show(facetloc.Map.open(room / "room.flmap"), tmp_path / "page.html")
+    assert opened == [(tmp_path / "page.html").as_uri()] and page.path.stat().st_size > 50000
+    monkeypatch.setitem(sys.modules, "ipykernel", object())
+    page = facetloc.show(_map_of("room", 5))  # never saved
+    assert len(opened) == 1, "a notebook shows it in its own page"
+    frame = page._repr_html_()
+    assert frame.startswith("<iframe srcdoc=") and html.unescape(frame.split('"')[1]) == page.path.read_text(encoding="utf-8")
 
 
 def test_others_run_while_it_computes(room):
@@ -258,5 +379,5 @@ def test_first_steps(tmp_path):
     pytest.importorskip("matplotlib")
     picture = tmp_path / "steps.png"
     out = run(sys.executable, EXAMPLES / "first_steps.py", picture).stdout
-    assert "local models" in out and ": sure (p " in out
+    assert "local models" in out and out.count(": sure (p ") >= 12
     assert picture.stat().st_size > 10000

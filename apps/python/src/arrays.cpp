@@ -25,21 +25,21 @@ void requireShape(const py::array& array, py::ssize_t rows, py::ssize_t columns,
 }
 
 /** Unmeasured pixels become 0. Throws std::invalid_argument for millimetres. */
-void requireMetres(std::vector<float>& depth) {
+void requireMetres(std::vector<float>& depth, const char* name) {
   constexpr float kFarthest = 100;
   std::vector<float> measured;
   for (float& z : depth) isMeasured(z) ? measured.push_back(z) : void(z = 0);
   if (!measured.empty() && internal::median(std::move(measured)) > kFarthest)
     throw std::invalid_argument(
-        "half of the depths are beyond 100 m: they are millimetres; divide them by 1000");
+        fmt::format("half of {} is beyond 100 m: they are millimetres; divide them by 1000", name));
 }
 
 }  // namespace
 
-DepthArray::DepthArray(py::array depth, CameraPtr camera) : camera_(std::move(camera)) {
+DepthArray::DepthArray(py::array depth, CameraPtr camera, const char* name) : camera_(std::move(camera)) {
   if (!camera_) throw std::invalid_argument("the camera is missing");
   const Intrinsics& k = camera_->camera.intrinsics;
-  requireShape(depth, k.height, k.width, "the depth image");
+  requireShape(depth, k.height, k.width, name);
   if (py::hasattr(depth, "filled")) depth = depth.attr("filled")(0);  // masked pixels are not measured
   const char kind = depth.dtype().kind();
   if (kind == 'u' && depth.dtype().itemsize() == 2) {
@@ -47,12 +47,11 @@ DepthArray::DepthArray(py::array depth, CameraPtr camera) : camera_(std::move(ca
     frame_.values = copied<std::uint16_t>(depth);
   } else if (kind == 'f') {
     metres_ = {k, copied<float>(depth)};
-    requireMetres(metres_.depth);
+    requireMetres(metres_.depth, name);
   } else {
     throw std::invalid_argument(
-        fmt::format("the depth image is of the type {}, not uint16 (by the depth_scale of the camera) or "
-                    "float (metres)",
-                    py::str(depth.dtype()).cast<std::string>()));
+        fmt::format("{} is of the type {}, not uint16 (by the depth_scale of the camera) or float (metres)",
+                    name, py::str(depth.dtype()).cast<std::string>()));
   }
 }
 
@@ -97,16 +96,17 @@ Eigen::Isometry3d toPose(const py::array_t<double>& T, const char* name) {
   return pose;
 }
 
-PoseWithCovariance toPose(const py::array_t<double>& T, const std::optional<py::array_t<double>>& covariance,
+PoseWithCovariance toPose(const py::array_t<double>& T, const char* name,
+                          const std::optional<py::array_t<double>>& covariance, const char* covariance_name,
                           double std_m, double std_deg) {
-  PoseWithCovariance pose{toPose(T, "the pose"), Matrix6d::Zero()};
+  PoseWithCovariance pose{toPose(T, name), Matrix6d::Zero()};
   if (!covariance) {
     const double std_rad = std_deg * kDegree;
     pose.P.diagonal() << Eigen::Vector3d::Constant(std_rad * std_rad),
         Eigen::Vector3d::Constant(std_m * std_m);
     return pose;
   }
-  requireShape(*covariance, 6, 6, "the covariance");
+  requireShape(*covariance, 6, 6, covariance_name);
   for (int row = 0; row < 6; ++row)
     for (int column = 0; column < 6; ++column) pose.P(row, column) = covariance->at(row, column);
   return pose;
@@ -132,6 +132,22 @@ py::list toList(const Findings& findings) {
     list.append(out);
   }
   return list;
+}
+
+py::dict toDict(const Segment& segment) {
+  Eigen::MatrixXd hull(segment.hull.size, 3);
+  for (int i = 0; i < segment.hull.size; ++i) {
+    const Eigen::Vector2d at = segment.hull.vertex[static_cast<std::size_t>(i)].cast<double>();
+    hull.row(i) = (segment.t + segment.R * Eigen::Vector3d(at.x(), at.y(), 0)).transpose();
+  }
+  py::dict out;
+  out["R"] = toArray(Eigen::MatrixXd(segment.R));
+  out["t"] = toVector(segment.t);
+  out["covariance"] = toArray(Eigen::MatrixXd(segment.Sigma_q));
+  out["num_points"] = segment.num_points;
+  out["area"] = segment.area();
+  out["hull"] = toArray(hull);
+  return out;
 }
 
 py::dict toDict(const Hypothesis& h, const Map* map) {

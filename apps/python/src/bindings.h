@@ -26,10 +26,11 @@ namespace py = pybind11;
 using CameraPtr = std::shared_ptr<CameraFile>;
 
 /** \brief A depth image from Python: whole numbers by the camera's scale, or metres; (height, width). Throws
- * std::invalid_argument, with a sentence, for another shape or type. */
+ * std::invalid_argument, with a sentence, for another shape or type.
+ * \param name of the argument */
 class DepthArray {
 public:
-  DepthArray(py::array depth, CameraPtr camera);
+  DepthArray(py::array depth, CameraPtr camera, const char* name = "depth");
   /** \brief Depth image of a pinhole camera, subsampled to the working width. Needs no lock. */
   DepthImage image(int working_width) const;
   const Camera& camera() const { return camera_->camera; }
@@ -51,9 +52,12 @@ py::array_t<double> toVector(const Eigen::Vector3d& vector);
 /** \brief Throws std::invalid_argument unless it is a rigid transform, (4, 4). */
 Eigen::Isometry3d toPose(const py::array_t<double>& T, const char* name);
 /** \brief A pose with a covariance, (6, 6), or, if that is empty, with these standard deviations. */
-PoseWithCovariance toPose(const py::array_t<double>& T, const std::optional<py::array_t<double>>& covariance,
+PoseWithCovariance toPose(const py::array_t<double>& T, const char* name,
+                          const std::optional<py::array_t<double>>& covariance, const char* covariance_name,
                           double std_m, double std_deg);
 std::optional<Gravity> toGravity(const std::optional<py::array_t<double>>& down);
+/** \brief A segment in the frame of its camera. */
+py::dict toDict(const Segment& segment);
 /** \brief \param T_w_m of the local model, by its index; may be null */
 py::dict toDict(const Hypothesis& hypothesis, const Map* map);
 

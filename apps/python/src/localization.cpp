@@ -73,7 +73,7 @@ py::dict localize(LockedLocalizer& self, const py::array& depth, const CameraPtr
                   const OptionalArray& gravity, const OptionalArray& near, double std_m, double std_deg) {
   const DepthArray array(depth, camera);
   const auto down = toGravity(gravity);
-  const auto guess = near ? std::optional(toPose(*near, {}, std_m, std_deg)) : std::nullopt;
+  const auto guess = near ? std::optional(toPose(*near, "near", {}, "", std_m, std_deg)) : std::nullopt;
   Localization answer;
   {
     const py::gil_scoped_release others_run;
@@ -89,8 +89,10 @@ py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& 
                 const OptionalArray& motion, const OptionalArray& covariance, const OptionalArray& gravity) {
   const DepthArray array(depth, camera);
   const auto down = toGravity(gravity);
-  if (motion && !covariance) throw std::invalid_argument("motion has no covariance");
-  const auto moved = motion ? std::optional(toPose(*motion, covariance, 0, 0)) : std::nullopt;
+  if (motion && !covariance)
+    throw std::invalid_argument("motion has no covariance: motion_covariance is missing");
+  const auto moved =
+      motion ? std::optional(toPose(*motion, "motion", covariance, "motion_covariance", 0, 0)) : std::nullopt;
   Localization answer;
   {
     const py::gil_scoped_release others_run;
@@ -104,7 +106,7 @@ py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& 
 
 void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const OptionalArray& covariance,
              double std_m, double std_deg, const std::string& part) {
-  const PoseWithCovariance pose = toPose(T_w_c, covariance, std_m, std_deg);
+  const PoseWithCovariance pose = toPose(T_w_c, "T_w_c", covariance, "covariance", std_m, std_deg);
   const std::vector<std::string>& parts = self.map->parts;
   const auto found = std::find(parts.begin(), parts.end(), part);
   if (found == parts.end() && !(parts.empty() && part.empty()))
@@ -116,7 +118,7 @@ void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const Opti
 
 py::dict registered(const py::array& source, const py::array& target, const CameraPtr& source_camera,
                     const CameraPtr& target_camera, int width) {
-  const DepthArray from(source, source_camera), to(target, target_camera);
+  const DepthArray from(source, source_camera, "source"), to(target, target_camera, "target");
   Localization answer;
   {
     const py::gil_scoped_release others_run;
@@ -141,6 +143,14 @@ py::dict modelOf(const Map& map, std::size_t index) {
   out["part"] = map.partOf(static_cast<int>(index));
   out["segments"] = map.view(static_cast<int>(index))->segments.size();
   return out;
+}
+
+py::list segmentsOf(const Map& map, std::size_t index) {
+  if (index >= map.models.size()) throw py::index_error("the map has no such local model");
+  py::list segments;
+  for (const Segment& segment : map.view(static_cast<int>(index))->segments)
+    segments.append(python::toDict(segment));
+  return segments;
 }
 
 py::list linksOf(const Map& map) {
@@ -178,6 +188,7 @@ void addLocalization(py::module_& module) {
           py::arg("maps"))
       .def("__len__", [](const Map& map) { return map.models.size(); })
       .def("model", &modelOf, py::arg("index"))
+      .def("segments", &segmentsOf, py::arg("index"))
       .def_property_readonly("links", &linksOf)
       .def_property_readonly("parts", [](const Map& map) { return map.parts; });
 

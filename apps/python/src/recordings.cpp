@@ -2,26 +2,61 @@
 #include "bindings.h"
 #include "inputs/recording_run.h"
 
+#include <facetloc/features/camera_presets.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/depth_values.h>
 #include <facetloc/segmentation/view_builder.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <pybind11/stl/filesystem.h>
 
 namespace facetloc::python {
 namespace {
 
-CameraPtr cameraOf(const py::kwargs& keys) {
-  CameraKeys words;
-  for (const auto& [key, value] : keys) {
+/** The usual size of the preset's images holds unless another is given. */
+CameraPtr cameraOf(const std::optional<std::string>& preset, const py::kwargs& given) {
+  CameraKeys keys;
+  if (preset) keys.emplace_back("camera", *preset);
+  for (const auto& [key, value] : given) {
     const auto name = py::cast<std::string>(key);
     if (!isCameraKey(name))
       throw py::type_error("a camera has no '" + name + "': see camera.ini in RECORDINGS.md");
-    words.emplace_back(name, py::cast<std::string>(py::str(value)));
+    if (preset && name == "camera") throw py::type_error("preset and camera name the same: give one of them");
+    keys.emplace_back(name, py::cast<std::string>(py::str(value)));
   }
-  return std::make_shared<CameraFile>(cameraOfKeys(words, "Camera"));
+  const auto find = [&keys](const char* name) {
+    return std::find_if(keys.begin(), keys.end(), [name](const auto& key) { return key.first == name; });
+  };
+  const auto named = find("camera");
+  const CameraPreset* known = named == keys.end() ? nullptr : findCameraPreset(named->second);
+  if (known && find("width") == keys.end() && find("height") == keys.end()) {
+    keys.emplace_back("width", std::to_string(known->intrinsics().width));
+    keys.emplace_back("height", std::to_string(known->intrinsics().height));
+  }
+  return std::make_shared<CameraFile>(cameraOfKeys(keys, "Camera"));
+}
+
+/** Numbers as numbers. */
+py::dict dictOf(const CameraFile& camera) {
+  py::dict out;
+  for (const auto& [key, value] : keysOfCamera(camera)) {
+    const bool is_word = key == "camera" || key == "depth_is", is_whole = key == "width" || key == "height";
+    out[py::str(key)] = is_word    ? py::object(py::str(value))
+                        : is_whole ? py::object(py::int_(py::str(value)))
+                                   : py::object(py::float_(py::str(value)));
+  }
+  return out;
+}
+
+std::string describe(const CameraFile& camera) {
+  std::string text;
+  for (const auto& [key, value] : dictOf(camera))
+    text += (text.empty() ? "" : ", ") + py::cast<std::string>(key) + "=" +
+            py::cast<std::string>(py::repr(value));
+  return "Camera(" + text + ")";
 }
 
 /** Depth images of a recording are those of a pinhole camera. */
@@ -30,26 +65,6 @@ CameraPtr pinhole(const CameraFile& stored) {
   camera->lens = {};
   camera->depth_is = DepthKind::z;
   return camera;
-}
-
-py::array_t<double> hullOf(const Segment& segment) {
-  Eigen::MatrixXd corners(segment.hull.size, 3);
-  for (int i = 0; i < segment.hull.size; ++i) {
-    const Eigen::Vector2d at = segment.hull.vertex[static_cast<std::size_t>(i)].cast<double>();
-    corners.row(i) = (segment.t + segment.R * Eigen::Vector3d(at.x(), at.y(), 0)).transpose();
-  }
-  return toArray(corners);
-}
-
-py::dict toDict(const Segment& segment) {
-  py::dict out;
-  out["R"] = toArray(Eigen::MatrixXd(segment.R));
-  out["t"] = toVector(segment.t);
-  out["covariance"] = toArray(Eigen::MatrixXd(segment.Sigma_q));
-  out["num_points"] = segment.num_points;
-  out["area"] = segment.area();
-  out["hull"] = hullOf(segment);
-  return out;
 }
 
 /** Labels and segments. */
@@ -64,7 +79,7 @@ py::tuple segmented(const py::array& depth, const CameraPtr& camera, int width) 
     labels = builder.segmentation().labels;
   }
   py::list segments;
-  for (const Segment& segment : view.segments) segments.append(toDict(segment));
+  for (const Segment& segment : view.segments) segments.append(python::toDict(segment));
   return py::make_tuple(toArray(labels), segments);
 }
 
@@ -98,24 +113,67 @@ py::list findingsOf(const DepthSequence& sequence) {
 }  // namespace
 
 void addRecordings(py::module_& module) {
-  py::class_<CameraFile, CameraPtr>(module, "Camera")
-      .def(py::init(&cameraOf))
+  py::class_<CameraFile, CameraPtr> type(module, "Camera", R"(A depth camera, by the keys of a camera.ini.
+
+    Camera(width=640, height=480, fx=525, fy=525, cx=319.5, cy=239.5)
+    Camera("azure_kinect")           the typical intrinsics and range of a preset, at its usual size
+    Camera("kinect", width=320, height=240, mount_height=0.98, mount_tilt_deg=10)
+    Camera.open("walk/camera.ini")   also Camera.open("office.flmap")
+
+depth_scale, the value of a pixel per metre, is 1000 unless given. Cameras do not change; equal ones have equal keys.)");
+  type.def(py::init(&cameraOf), py::arg("preset") = py::none(),
+           "Raises IoError, with the cause, for an impossible or incomplete camera, and TypeError for "
+           "unknown keys.")
       .def_static(
           "open",
           [](const std::filesystem::path& path) {
             return std::make_shared<CameraFile>(isMapFile(path) ? cameraOfMap(path) : readCameraFile(path));
           },
-          py::arg("path"))
-      .def_property_readonly("width", [](const CameraFile& c) { return c.camera.intrinsics.width; })
-      .def_property_readonly("height", [](const CameraFile& c) { return c.camera.intrinsics.height; })
-      .def_property_readonly("fx", [](const CameraFile& c) { return c.camera.intrinsics.fx; })
-      .def_property_readonly("fy", [](const CameraFile& c) { return c.camera.intrinsics.fy; })
-      .def_property_readonly("cx", [](const CameraFile& c) { return c.camera.intrinsics.cx; })
-      .def_property_readonly("cy", [](const CameraFile& c) { return c.camera.intrinsics.cy; })
-      .def_readonly("depth_scale", &CameraFile::depth_scale)
-      .def_property_readonly("T_b_c", [](const CameraFile& c) {
-        return c.camera.mounting ? py::object(toArray(c.camera.mounting->T_b_c())) : py::none();
-      });
+          py::arg("path"), "The camera of a camera.ini, or of a map that was made with it.")
+      .def_static(
+          "presets",
+          [] {
+            py::list names;
+            for (const CameraPreset& preset : cameraPresets()) names.append(preset.name);
+            return names;
+          },
+          "Names of the presets.")
+      .def_property_readonly("keys", &dictOf,
+                             "Its keys and values: Camera(**camera.keys) is the same camera.")
+      .def_property_readonly(
+          "width", [](const CameraFile& c) { return c.camera.intrinsics.width; },
+          "Columns of its images [px].")
+      .def_property_readonly(
+          "height", [](const CameraFile& c) { return c.camera.intrinsics.height; },
+          "Rows of its images [px].")
+      .def_property_readonly(
+          "fx", [](const CameraFile& c) { return c.camera.intrinsics.fx; }, "Focal length along x [px].")
+      .def_property_readonly(
+          "fy", [](const CameraFile& c) { return c.camera.intrinsics.fy; }, "Focal length along y [px].")
+      .def_property_readonly(
+          "cx", [](const CameraFile& c) { return c.camera.intrinsics.cx; },
+          "Optical centre [px]; pixel centres are at whole coordinates.")
+      .def_property_readonly(
+          "cy", [](const CameraFile& c) { return c.camera.intrinsics.cy; },
+          "Optical centre [px]; pixel centres are at whole coordinates.")
+      .def_readonly("depth_scale", &CameraFile::depth_scale, "Value of a pixel of whole numbers per metre.")
+      .def_property_readonly(
+          "T_b_c",
+          [](const CameraFile& c) {
+            return c.camera.mounting ? py::object(toArray(c.camera.mounting->T_b_c())) : py::none();
+          },
+          "The camera on its robot, (4, 4), or None if it is not mounted.")
+      .def("__repr__", &describe)
+      .def(
+          "__eq__",
+          [](const CameraFile& a, const CameraFile& b) { return keysOfCamera(a) == keysOfCamera(b); },
+          py::is_operator())
+      .def("__hash__", [](const CameraFile& c) { return py::hash(py::str(describe(c))); })
+      .def("__copy__", [](const CameraPtr& c) { return c; })
+      .def("__deepcopy__", [](const CameraPtr& c, const py::dict&) { return c; })
+      .def(py::pickle([](const CameraFile& c) { return dictOf(c); },
+                      [](const py::dict& keys) { return cameraOf({}, py::kwargs(keys)); }));
+  type.attr("__module__") = "facetloc";
   module.def("segment", &segmented, py::arg("depth"), py::arg("camera"), py::arg("width"));
 
   py::class_<DepthSequence>(module, "Recording")

@@ -261,32 +261,38 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
   return Parser(path.string()).parse(files::readText(path));
 }
 
-void writeCameraFile(const std::filesystem::path& path, const CameraFile& file) {
+CameraKeys keysOfCamera(const CameraFile& file) {
   const Camera& camera = file.camera;
   if (!camera.intrinsics.valid() || !(file.depth_scale > 0))
-    throw std::invalid_argument("writeCameraFile: the camera is impossible");
+    throw std::invalid_argument("keysOfCamera: the camera is impossible");
   const CameraPreset* preset = findCameraPreset(file.preset);
   if (!file.preset.empty() && !preset)
-    throw std::invalid_argument("writeCameraFile: there is no camera " + file.preset);
+    throw std::invalid_argument("keysOfCamera: there is no camera " + file.preset);
   CameraFile written = file, usual;
   usual.camera = usualCamera(preset);
   if (camera.mounting)
     usual.camera.mounting = CameraMounting{NAN, NAN};  // which are written, whatever they are
+  const Intrinsics& k = camera.intrinsics;
+  CameraKeys keys = {{"width", std::to_string(k.width)}, {"height", std::to_string(k.height)}};
+  const auto add = [&keys](std::string_view key, double value) {
+    keys.emplace_back(key, text::shortest(value));
+  };
+  add("fx", k.fx), add("fy", file.y_axis_up ? -k.fy : k.fy), add("cx", k.cx), add("cy", k.cy);
+  add("depth_scale", file.depth_scale);
+  for (const Key& key : kKeys) {
+    if (key.name == "mount_height" && file.depth_is == DepthKind::distance)
+      keys.emplace_back(kDepthIs, kDistance);
+    if (key.name == "inverse_depth_std" && preset) keys.emplace_back(kPreset, preset->name);
+    const double* value = key.field ? key.field(written) : nullptr;
+    if (value && *value != *key.field(usual)) add(key.name, *value);
+  }
+  return keys;
+}
+
+void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera) {
+  const CameraKeys keys = keysOfCamera(camera);
   writeTextAtomically(path, [&](std::ostream& out) {
-    const Intrinsics& k = camera.intrinsics;
-    out << "width=" << k.width << "\nheight=" << k.height << "\n";
-    const auto line = [&out](std::string_view key, double value) {
-      out << key << "=" << text::shortest(value) << "\n";
-    };
-    line("fx", k.fx), line("fy", file.y_axis_up ? -k.fy : k.fy), line("cx", k.cx), line("cy", k.cy);
-    line("depth_scale", file.depth_scale);
-    for (const Key& key : kKeys) {
-      if (key.name == "mount_height" && file.depth_is == DepthKind::distance)
-        out << kDepthIs << "=" << kDistance << "\n";
-      if (key.name == "inverse_depth_std" && preset) out << kPreset << "=" << preset->name << "\n";
-      const double* value = key.field ? key.field(written) : nullptr;
-      if (value && *value != *key.field(usual)) line(key.name, *value);
-    }
+    for (const auto& [key, value] : keys) out << key << "=" << value << "\n";
   });
 }
 

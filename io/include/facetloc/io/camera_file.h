@@ -58,6 +58,10 @@ bool isCameraKey(std::string_view key);
  * \param name of who describes it, for errors */
 CameraFile cameraOfKeys(CameraKeys keys, const std::string& name);
 
+/** \brief The keys and values that writeCameraFile() writes: cameraOfKeys() makes the same camera of them.
+ * Throws std::invalid_argument for an impossible camera. */
+CameraKeys keysOfCamera(const CameraFile& camera);
+
 /** \brief Is it a map file, by its first bytes? False if it cannot be read. */
 bool isMapFile(const std::filesystem::path& path);
 
