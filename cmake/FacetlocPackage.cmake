@@ -8,7 +8,7 @@ file(GLOB_RECURSE documents RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
      ${PROJECT_SOURCE_DIR}/apps/pictures/*.png ${PROJECT_SOURCE_DIR}/test/*.md
      ${PROJECT_SOURCE_DIR}/features/pictures/*.svg ${PROJECT_SOURCE_DIR}/segmentation/pictures/*.svg ${PROJECT_SOURCE_DIR}/registration/*.svg)
 list(FILTER documents EXCLUDE REGEX "^apps/(examples|ros)/")
-foreach(document README.md CHANGELOG.md CONTRIBUTING.md LICENSE apps/presets/paper.ini test/benchmark/large_maps.csv ${documents})
+foreach(document README.md LIMITS.md CHANGELOG.md CONTRIBUTING.md LICENSE apps/presets/paper.ini test/benchmark/large_maps.csv ${documents})
   get_filename_component(folder ${document} DIRECTORY)
   install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT dev)
 endforeach()

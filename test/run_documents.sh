@@ -22,7 +22,7 @@ prepare() {
   grep -h '^    {"T_w_b"' "$root/apps/ROBOT.md" > odometry.jsonl
   ln -s ../room office1
   ln -s ../room/query drive
-  for map in office1 office east west; do cp ../room.flmap $map.flmap; done
+  for map in office1 office east west ground first second; do cp ../room.flmap $map.flmap; done
   cp ../room/map/groundtruth.txt trajectory.txt
 }
 
