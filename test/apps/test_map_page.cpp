@@ -29,7 +29,6 @@ PageAnswer answered(const std::string& name, AnswerState state, const Eigen::Iso
 /** An image where it was taken, one that is elsewhere, and one that is nowhere. */
 MapPage examplePage(const Map& map) {
   MapPage page;
-  page.thumbnail = depthThumbnail;
   page.title = "Three images";
   page.answers = {answered("first", AnswerState::sure, kRight, map),
                   answered("second", AnswerState::sure, kWrong, map),
@@ -50,7 +49,6 @@ MapPage examplePage(const Map& map) {
 /** A page of a map that was asked about itself: its first image is sure, and the second is taken for it. */
 MapPage pageOfOwnViews() {
   MapPage page;
-  page.thumbnail = depthThumbnail;
   page.title = "A map";
   page.own_views.resize(2);
   page.own_views[0].state = AnswerState::sure;
@@ -215,7 +213,6 @@ TEST(MapPageData, PicturesFitHoweverManyImagesThereAre) {
   const View view = ExampleScene().see("x", kRight).view;
   for (const std::size_t images : {10u, 500u, 4000u}) {
     MapPage page;
-    page.thumbnail = depthThumbnail;
     page.answers.assign(images, answered("x", AnswerState::sure, kRight, map));
     page.view = [&](std::size_t) { return std::optional<View>(view); };
     const Json::Value data = mapPageData(map, page, "page.html");
