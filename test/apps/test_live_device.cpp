@@ -34,12 +34,17 @@ TEST_F(LiveTool, WaitsForADeviceForALimitedTime) {
 }
 
 TEST_F(LiveTool, SaysThatNoFrameComes) {
-  const std::string oni = folder_ / "slow.oni";
-  ok(runLive({"--device", sequence(), "--headless", "--record", oni, "--max-frames", "3"}));
-  const std::vector<std::string> slow = {"--device", oni, "--headless", "--speed", "0.005"};
-  EXPECT_THAT(runLive(slow), fails("no frame for 3 s"));
-
+  const std::string images = writePclzf(3), results = folder_ / "results";
+  const std::vector<std::string> slow = {"--device", images, "--headless", "--speed", "0.001"};
   std::vector<std::string> arguments = slow;
+  arguments.insert(arguments.end(), {"--results", results});
+  const ToolRun run = runLive(arguments);
+  EXPECT_EQ(run.code, kFailed);
+  EXPECT_THAT(run.err, HasSubstr("no frame for 3 s"));
+  EXPECT_THAT(lastLine(run.out), HasSubstr("1 processed"));
+  expectWholeResults(results, 1);
+
+  arguments = slow;
   arguments.push_back("--wait");
   LiveProcess patient(arguments);
   ASSERT_TRUE(eventually([&] { return patient.err().find("waiting for it") != std::string::npos; }));

@@ -117,7 +117,7 @@ private:
     auto due = Clock::now();
     if (due_ && options_.speed > 0) {
       // Measured from when the last one was due, so that small delays do not add up.
-      const double gap = std::clamp((stamp - stamp_) / options_.speed, 0.0, kLongestGap);
+      const double gap = std::clamp(stamp - stamp_, 0.0, kLongestGap) / options_.speed;
       const auto planned =
           *due_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(gap));
       if (due - planned < std::chrono::duration<double>(kLate)) due = planned;

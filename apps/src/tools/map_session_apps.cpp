@@ -238,6 +238,7 @@ private:
     line.addOption("trajectory", trajectory_, "OUT.txt",
                    "Write the poses of the session in the map, in the TUM format.");
     line.addSwitch("overwrite", overwrite_, "Replace an existing NEW.flmap.");
+    line.addExample("office.flmap later", "the map itself, as a whole");
     line.addExample("office.flmap later -o newer.flmap", "a new map");
   }
 
