@@ -91,7 +91,7 @@ double nearerShare(const View& view, const View& other) {
 
 TEST_F(SequenceInARoom, AnAnswerTellsWhatIsInFrontOfTheMapAndWhatOfItIsGone) {
   const auto isOne = [](const ViewShares& s) {
-    return std::abs(s.explained + s.hiding + s.fresh - 1) < 1e-9;
+    return s.fresh >= 0 && std::abs(s.explained + s.hiding + s.fresh - 1) < 1e-9;
   };
   const Eigen::Vector3d at = truth[10] * Eigen::Vector3d(0.1, 0, 1.3);
   const test::Scene post = test::box({at.x() - 0.15, at.y() - 0.15, 0}, {at.x() + 0.15, at.y() + 0.15, 1.8});

@@ -181,7 +181,7 @@ std::optional<ViewShares> HypothesisRanking::shares(const View& scene, const Hyp
   if (found.of_scene.judged() == 0 || pixels == 0) return {};
   ViewShares shares;
   shares.explained = found.of_scene.agree / pixels, shares.hiding = found.of_scene.contradict / pixels;
-  shares.fresh = 1 - shares.explained - shares.hiding;
+  shares.fresh = std::max(0.0, (pixels - found.of_scene.agree - found.of_scene.contradict) / pixels);
   DepthAgreement models;
   for (const DepthAgreement& of_model : found.of_models) models += of_model;
   shares.missing = models.contradict / std::max(1.0, double(models.judged()));
