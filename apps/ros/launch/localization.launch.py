@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""ros2 launch facetloc_ros localization.launch.py map:=/home/me/office.flmap depth:=/camera/depth/image_rect_raw"""
+"""ros2 launch facetloc_ros localization.launch.py map:=$HOME/office.flmap depth:=/camera/depth/image_rect_raw"""
 import os
 
 from ament_index_python.packages import get_package_share_directory
