@@ -8,6 +8,7 @@
 // the first, CHANGES the list for the second one. A point of a moved surface can be known if one side has
 // measured it (a local model, for surfaces that are gone; an image of the query, for new ones), and two or
 // more images of the other side measure something behind it, and more of them than measure it.
+#include "measured_points.h"
 #include "programs.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -28,18 +29,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace facetloc;
+using namespace facetloc::benchmarks;
 
-constexpr int kWidth = 320;                   // width of the images [px]
-constexpr double kSpacing = 0.05;             // spacing of the examined points [m]
-constexpr double kBehind = 0.1;               // distance of a surface that is not the one examined [m]
-constexpr double kNear = 0.1;                 // error of a listed surface [m]
-constexpr double kNearest = 0.5, kReach = 6;  // distance of an image [m]
-constexpr int kLooks = 2;
-
-struct Look {
-  DepthImage depth;
-  Eigen::Isometry3d T_c_w;
-};
+constexpr int kWidth = 320;        // width of the images [px]
+constexpr double kSpacing = 0.05;  // spacing of the examined points [m]
+constexpr double kNear = 0.1;      // error of a listed surface [m]
+constexpr PointComparison kComparison{0.5, 6, 0.1};
 
 /** The images of a run where they truly are. \param names of those wanted; all if empty */
 std::vector<Look> looksOf(const fs::path& run, const std::set<std::string>& names) {
@@ -50,25 +45,6 @@ std::vector<Look> looksOf(const fs::path& run, const std::set<std::string>& name
         T && (names.empty() || names.count(images.frames()[i].name)))
       looks.push_back({images.load(i, kWidth), T->inverse()});
   return looks;
-}
-
-struct Seen {
-  int at_it = 0, through = 0;
-};
-
-Seen seenOf(const Eigen::Vector3d& p_w, const std::vector<Look>& looks) {
-  Seen seen;
-  for (const Look& look : looks) {
-    const Eigen::Vector3d p = look.T_c_w * p_w;
-    if (p.z() < kNearest || p.z() > kReach) continue;
-    const Eigen::Vector2i at = look.depth.camera.project(p).array().round().matrix().cast<int>();
-    const Intrinsics& camera = look.depth.camera;
-    if (at.x() < 0 || at.y() < 0 || at.x() >= camera.width || at.y() >= camera.height) continue;
-    const float z = look.depth.at(at.x(), at.y());
-    if (!isMeasured(z) || z < p.z() - kBehind) continue;
-    ++(z > p.z() + kBehind ? seen.through : seen.at_it);
-  }
-  return seen;
 }
 
 /** A line of the list. */
@@ -169,8 +145,8 @@ void score(const std::string& kind, const SimulatedWorld& moved, const std::vect
     for (double u = kSpacing / 2 - r.half_u; u < r.half_u; u += kSpacing)
       for (double v = kSpacing / 2 - r.half_v; v < r.half_v; v += kSpacing) {
         const Eigen::Vector3d p = r.centre + r.axis_u * u + r.axis_v * v;
-        const Seen there = seenOf(p, own), gone = seenOf(p, others);
-        if (there.at_it == 0 || gone.through < kLooks || gone.through <= gone.at_it) continue;
+        if (measured(p, own, kComparison).at_it == 0) continue;
+        if (!measured(p, others, kComparison).isLookedThrough()) continue;
         knowable += kSpacing * kSpacing;
         known += kSpacing * kSpacing * std::any_of(changes.begin(), changes.end(), [&](const Change& c) {
                    return c.kind == kind && c.covers(p);

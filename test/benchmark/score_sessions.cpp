@@ -8,6 +8,7 @@
 // is the map of the first run, AFTER the same extended by the second one. Each segment of BEFORE is of the
 // true plane that most of its pixels show, and has moved if that plane is not there in the second run. It is
 // seen again if at least two images of the second run look at its place, and nothing hides it.
+#include "measured_points.h"
 #include "programs.h"
 
 #include <facetloc/io/depth_sequence.h>
@@ -25,14 +26,13 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace facetloc;
+using namespace facetloc::benchmarks;
 
 constexpr int kWidth = 320;           // width of the images [px]
 constexpr double kThick = 0.03;       // thickness of a segment [m]
-constexpr double kBehind = 0.05;      // distance of a measured surface behind a segment that is gone [m]
 constexpr double kSameNormal = 0.97;  // cosine between a segment's normal and its true plane's
 constexpr double kOfPlane = 0.1;      // distance of a segment from its true plane [m]
-constexpr double kNearest = 0.3, kReach = 6;  // distance of an image [m]
-constexpr int kLooks = 2;
+constexpr PointComparison kComparison{0.3, 6, 0.05};
 constexpr int kSpacing = 2;               // spacing of the examined pixels of a segment [px]
 constexpr std::size_t kFewestPoints = 8;  // points of a true plane in a segment
 
@@ -77,32 +77,11 @@ Truth truthOf(const Segment& segment, const DepthImage& image, const Raster<std:
   return {most->first, most->second};
 }
 
-/** An image of the second run where it truly is. */
-struct Look {
-  DepthImage depth;
-  Eigen::Isometry3d T_c_w;
-};
-
-/** Do images measure something behind a point? More of them than measure something at it. */
-bool isLookedThrough(const Eigen::Vector3d& p_w, const std::vector<Look>& looks) {
-  int through = 0, at_it = 0;
-  for (const Look& look : looks) {
-    const Eigen::Vector3d p = look.T_c_w * p_w;
-    if (p.z() < kNearest || p.z() > kReach) continue;
-    const Eigen::Vector2i at = look.depth.camera.project(p).array().round().matrix().cast<int>();
-    const Intrinsics& camera = look.depth.camera;
-    if (at.x() < 0 || at.y() < 0 || at.x() >= camera.width || at.y() >= camera.height) continue;
-    const float z = look.depth.at(at.x(), at.y());
-    if (!isMeasured(z) || z < p.z() - kBehind) continue;
-    ++(z > p.z() + kBehind ? through : at_it);
-  }
-  return through >= kLooks && through > at_it;
-}
-
 /** Is most of a segment looked through? */
 bool isLookedThrough(const std::vector<Eigen::Vector3d>& points, const std::vector<Look>& looks) {
-  const auto through = std::count_if(points.begin(), points.end(),
-                                     [&](const Eigen::Vector3d& p) { return isLookedThrough(p, looks); });
+  const auto through = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3d& p) {
+    return measured(p, looks, kComparison).isLookedThrough();
+  });
   return 2 * through > static_cast<std::ptrdiff_t>(points.size());
 }
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <facetloc/features/depth_image.h>
+
+#include <Eigen/Geometry>
+
+#include <vector>
+
+namespace facetloc::benchmarks {
+
+/** \brief An image where it truly is. */
+struct Look {
+  DepthImage depth;
+  Eigen::Isometry3d T_c_w;
+};
+
+/** \brief How images are compared with a point. */
+struct PointComparison {
+  double nearest, reach;  ///< distance of an image that counts [m]
+  double behind;          ///< distance of a surface that is not the point's [m]
+};
+
+/** \brief The number of images that measure something at a point, and behind it. */
+struct MeasuredPoint {
+  int at_it = 0, through = 0;
+
+  /** \brief Is it looked through, by two or more images, and by more of them than measure something at it? */
+  bool isLookedThrough() const { return through >= 2 && through > at_it; }
+};
+
+inline MeasuredPoint measured(const Eigen::Vector3d& p_w, const std::vector<Look>& looks,
+                              const PointComparison& comparison) {
+  MeasuredPoint found;
+  for (const Look& look : looks) {
+    const Eigen::Vector3d p = look.T_c_w * p_w;
+    if (p.z() < comparison.nearest || p.z() > comparison.reach) continue;
+    const Intrinsics& camera = look.depth.camera;
+    const Eigen::Vector2i at = camera.project(p).array().round().matrix().cast<int>();
+    if (at.x() < 0 || at.y() < 0 || at.x() >= camera.width || at.y() >= camera.height) continue;
+    const float z = look.depth.at(at.x(), at.y());
+    if (!isMeasured(z) || z < p.z() - comparison.behind) continue;
+    ++(z > p.z() + comparison.behind ? found.through : found.at_it);
+  }
+  return found;
+}
+
+}  // namespace facetloc::benchmarks
