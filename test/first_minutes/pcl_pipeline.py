@@ -60,8 +60,8 @@ def project(section):
 
 with Newcomer() as user:
     readme, heading = user.document("README.md"), "You have a PCL pipeline"
-    blocks = readme.code(heading, "cpp")
-    check(len(blocks) == 2, "README has a program for clouds and one for depth images")
+    blocks = readme.code(heading, "cpp") + user.document("registration/localization/README.md").code("A recording in a map", "cpp")
+    check(len(blocks) == 2, "there is a program for clouds and one for depth images")
     includes = sorted(set(re.findall(r"^#include .*$", "\n".join(blocks), re.MULTILINE)))
     cloud, recording = (re.sub(r"^#include .*\n", "", block, flags=re.MULTILINE) for block in blocks)
     source = user.folder / "pipeline"
