@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/findings_file.h"
 #include "example_room.h"
+#include "golden.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/io/trajectory.h>
@@ -20,7 +21,9 @@ TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
                      "TIME PER IMAGE"));
   EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"),
               HasAll("<title>Localization of " + fs::path(place).filename().string() + "</title>",
-                     "TABLE II.", "class=\"plan\""));
+                     "TABLE II.", "class=\"plan\"", "Fig. 5"));
+  const Raster<std::uint8_t> examples = readRgbPng(folder_ / "results/evaluation/fig5.png");
+  EXPECT_GT(examples.height, examples.width / 2) << "four rows of two runs";
   auto again = arguments;
   again.insert(again.end(), {"-o", folder_ / "again"});
   ok(runTool<evaluateApp>(again));

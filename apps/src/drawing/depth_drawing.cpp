@@ -75,6 +75,31 @@ private:
   const DepthImage& depth_;
 };
 
+/** The cosine between the ray of a pixel and the normal of the surface there, by a plane in inverse depth
+ * through the pixels around; 0 if it is not known. */
+double facingAt(const DepthImage& image, int u, int v) {
+  constexpr int kReach = 4;          // [px]
+  constexpr double kSurface = 0.06;  // largest difference of inverse depth on a surface, as a share of it
+  const Intrinsics& camera = image.camera;
+  if (!(image.at(u, v) > 0)) return 0;
+  const double here = 1 / static_cast<double>(image.at(u, v));
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (int y = std::max(0, v - kReach); y <= std::min(camera.height - 1, v + kReach); ++y)
+    for (int x = std::max(0, u - kReach); x <= std::min(camera.width - 1, u + kReach); ++x) {
+      if (!(image.at(x, y) > 0)) continue;
+      const double q = 1 / static_cast<double>(image.at(x, y));
+      if (std::abs(q - here) > kSurface * here) continue;
+      const Eigen::Vector3d ray = camera.ray(x, y);
+      A += ray * ray.transpose();
+      b += ray * q;
+    }
+  const Eigen::Vector3d plane = A.ldlt().solve(b);  // q = plane . ray, so the plane's normal
+  const Eigen::Vector3d ray = camera.ray(u, v);
+  const double facing = plane.dot(ray) / (plane.norm() * ray.norm());
+  return facing > 0 ? facing : 0;  // also where the pixels fix no plane
+}
+
 /** Takes away the grain: a pixel gets the label that most of its surroundings have. */
 LabelImage smoothed(const LabelImage& labels) {
   constexpr int kMost = 5;  // pixels of a block of 3x3
@@ -135,6 +160,17 @@ Raster<std::uint8_t> greyDepth(const DepthImage& image, const GreyScale& scale) 
   for (const float z : image.depth)
     picture.data.insert(picture.data.end(), 3,
                         z > 0 ? static_cast<std::uint8_t>(darkest + slope * (z - nearest)) : scale.unknown);
+  return picture;
+}
+
+Raster<std::uint8_t> litDepth(const DepthImage& image) {
+  constexpr double kBrightest = 235;
+  Raster<std::uint8_t> picture{image.camera.width, image.camera.height, 3, {}};
+  picture.data.reserve(3 * image.depth.size());
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u)
+      picture.data.insert(picture.data.end(), 3,
+                          static_cast<std::uint8_t>(kBrightest * facingAt(image, u, v)));
   return picture;
 }
 

@@ -24,6 +24,10 @@ struct GreyScale {
 /** \brief An RGB picture of a depth image, of its size. */
 Raster<std::uint8_t> greyDepth(const DepthImage& image, const GreyScale& scale = {});
 
+/** \brief An RGB picture of the surfaces as a lamp at the camera would light them, of the size of the image:
+ * the more they face the camera the brighter, black = not measured. */
+Raster<std::uint8_t> litDepth(const DepthImage& image);
+
 /** \brief Paints the outlines of segments over a picture of the same size as the labels.
  * \param colours of label k at k - 1 */
 void paintBorders(Raster<std::uint8_t>& picture, const LabelImage& labels,

@@ -41,8 +41,8 @@ inline SeenImage see(const std::string& name, DepthImage depth, ViewBuilder& bui
 /** \brief A view that has segments alone, as its camera would see them: the depth of their planes. */
 SeenImage seeSegments(const std::string& name, View view);
 
-/** \brief The paper's Fig. 1: the depth image, the same with its segments outlined in green, and a 3D model
- * of the dominant segments. */
+/** \brief The paper's Fig. 1, in (a) without colour: the surfaces as a lamp at the camera lights them, the
+ * depth image, the same with its segments outlined in green, and a 3D model of the dominant segments. */
 void drawSegmentation(const std::filesystem::path& path, const SeenImage& image);
 
 /** \brief A run through a floor map. */

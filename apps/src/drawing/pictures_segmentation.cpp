@@ -38,17 +38,20 @@ void drawModel3d(Page& page, const Box& box, const View& view) {
 void drawSegmentation(const std::filesystem::path& path, const SeenImage& image) {
   checkDrawable(image);
   const double height = kPanelWidth * image.depth.camera.height / image.depth.camera.width;
-  Page page(static_cast<int>(2 * kMargin + 3 * kPanelWidth + 2 * kGap),
-            static_cast<int>(2 * kMargin + height + kTitle));
-  const auto panel = [&](int column, const std::string& title) {
-    const Box box = {kMargin + column * (kPanelWidth + kGap), kMargin, kPanelWidth, height};
+  Page page(static_cast<int>(2 * kMargin + 2 * kPanelWidth + kGap),
+            static_cast<int>(2 * kMargin + 2 * (height + kTitle) + kGap));
+  const auto panel = [&](int column, int row, const std::string& title) {
+    const Box box = {kMargin + column * (kPanelWidth + kGap), kMargin + row * (height + kTitle + kGap),
+                     kPanelWidth, height};
     page.text({box.centre().x(), box.bottom() + kTitle / 2 + 3}, title, kCentred);
     return box;
   };
-  page.picture(panel(0, "(a) depth image " + image.name), greyDepth(image.depth));
-  page.picture(panel(1, "(b) " + counted(image.view.segments.size(), "planar surface segment")),
+  page.picture(panel(0, 0, "(a) " + image.name + ", its surfaces lit from the camera"),
+               litDepth(image.depth));
+  page.picture(panel(1, 0, "(b) depth image"), greyDepth(image.depth));
+  page.picture(panel(0, 1, "(c) " + counted(image.view.segments.size(), "planar surface segment")),
                overlay(image.depth, image.labels));
-  const Box box = panel(2, "(c) 3D model of the dominant segments");
+  const Box box = panel(1, 1, "(d) 3D model of the dominant segments");
   if (image.view.segments.empty())
     page.text(box.centre(), "no segments", kCentred);
   else

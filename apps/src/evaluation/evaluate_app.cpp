@@ -31,13 +31,14 @@ constexpr const char* kFailureFolder = "failures";
 constexpr const char* kMappingRun = "map";  // folder of a simulated place
 constexpr const char* kTrajectories = "trajectory.png";
 constexpr const char* kMapPage = "map.html";
+constexpr const char* kExamples = "fig5.png";
 
 /** Claims a folder, and removes the output of an earlier evaluation that this one may not replace. */
 void begin(const fs::path& folder, bool overwrite) {
   const std::vector<std::string> earlier = {
-      "report.html",         kMapPage,        "timing_summary.csv", "fig6.png",   "reliability.png",
-      "errors.png",          "floor_map.png", kTrajectories,        "starts.png", "starts_by_images.csv",
-      "starts_by_metres.csv"};
+      "report.html",          kMapPage,        "timing_summary.csv", "fig6.png",   "reliability.png",
+      "errors.png",           "floor_map.png", kTrajectories,        "starts.png", "starts_by_images.csv",
+      "starts_by_metres.csv", kExamples};
   std::vector<std::string> marks = earlier;
   marks.emplace_back("evaluation.txt");
   claimFolder(folder, marks, overwrite);
@@ -224,8 +225,14 @@ private:
     const fs::path folder = folder_;
     const bool relative = judgesRelatively(report);
     drawMapOfRuns(folder / "floor_map.png", *input.map, input.truth, report.evaluation, relative);
-    return drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures, relative),
-                      *input.map, input.truth, input.runs, relative, console);
+    std::vector<ReportPicture> pictures =
+        drawMisses(folder / kFailureFolder, chosenMisses(report.evaluation, kFailures, relative), *input.map,
+                   input.truth, input.runs, relative, console);
+    const fs::path examples = folder / kExamples;
+    if (beside_paper_ &&
+        drawExamples(examples, report.evaluation, *input.map, input.truth, input.runs, relative))
+      pictures.push_back({examples, "examples of each run, as in the paper's Fig. 5, and their places"});
+    return pictures;
   }
 
   ReportFigures figuresOf(const EvaluationReport& report, const Input& input, const Console& console) const {

@@ -132,9 +132,9 @@ int indexOf(const std::string& model, const std::map<std::string, int>& indices)
   return found->second;
 }
 
-/** The most confident first. */
-std::vector<Failure> failuresOf(const std::vector<FrameEvaluation>& frames,
-                                const std::vector<RunResults>& runs, const Map& map, bool relative) {
+/** Images with the answers that are drawn of them. */
+std::vector<Failure> drawnAnswers(const std::vector<FrameEvaluation>& frames,
+                                  const std::vector<RunResults>& runs, const Map& map, bool relative) {
   const auto indices = modelIndices(map);
   std::map<std::pair<std::string, std::string>, const ResultRow*> first;  // keyed by run and frame
   for (const RunResults& run : runs)
@@ -161,6 +161,13 @@ std::vector<Failure> failuresOf(const std::vector<FrameEvaluation>& frames,
     }
     failures.push_back(std::move(failure));
   }
+  return failures;
+}
+
+/** The most confident first. */
+std::vector<Failure> failuresOf(const std::vector<FrameEvaluation>& frames,
+                                const std::vector<RunResults>& runs, const Map& map, bool relative) {
+  std::vector<Failure> failures = drawnAnswers(frames, runs, map, relative);
   std::stable_sort(failures.begin(), failures.end(),
                    [](const Failure& a, const Failure& b) { return a.probability > b.probability; });
   return failures;
@@ -287,6 +294,28 @@ std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<
     }
   }
   return pictures;
+}
+
+bool drawExamples(const fs::path& path, const Evaluation& evaluation, const Map& map, const PlaceTruth& truth,
+                  const std::vector<RunResults>& runs, bool relative) {
+  constexpr std::size_t kOfRun = 4;
+  const RunImages images(truth, map);
+  std::map<std::string, std::vector<FrameEvaluation>> right;  // keyed by run
+  for (const FrameEvaluation& frame : evaluation.frames)
+    if (images.has(frame.name) && frame.hypotheses > 0 && isRight(frame, relative).value_or(false))
+      right[frame.run].push_back(frame);
+  std::vector<FrameEvaluation> chosen;
+  for (std::size_t i = 0; i < kOfRun; ++i)
+    for (const auto& [run, frames] : right)
+      chosen.push_back(frames[(2 * i + 1) * frames.size() / (2 * kOfRun)]);
+  std::vector<Raster<std::uint8_t>> pictures;
+  std::vector<std::string> titles;
+  for (const Failure& answer : drawnAnswers(chosen, runs, map, relative)) {
+    pictures.push_back(matchesPicture(images.seen(answer.run, answer.frame), map, {answer.answers.front()}));
+    titles.push_back(answer.run + " " + answer.frame);
+  }
+  if (!pictures.empty()) writePng(path, contactSheet(pictures, titles));
+  return !pictures.empty();
 }
 
 std::vector<Failure> findFailures(const Evaluation& evaluation, const std::vector<RunResults>& runs,

@@ -51,6 +51,12 @@ std::vector<ReportPicture> drawMisses(const std::filesystem::path& folder, const
                                       const std::vector<RunResults>& runs, bool relative,
                                       const Console& console);
 
+/** \brief The paper's Fig. 5, and what became of its images: of each run four images spread over it whose
+ * rank 1 is right, with their segments, the local model and both aligned. \return false if there is none,
+ * and no picture */
+bool drawExamples(const std::filesystem::path& path, const Evaluation& evaluation, const Map& map,
+                  const PlaceTruth& truth, const std::vector<RunResults>& runs, bool relative);
+
 /** \brief An image that was not localized, or not correctly. */
 struct Failure {
   std::string run;  ///< may be empty
