@@ -51,9 +51,8 @@ std::vector<ReportPicture> drawMisses(const std::filesystem::path& folder, const
                                       const std::vector<RunResults>& runs, bool relative,
                                       const Console& console);
 
-/** \brief The paper's Fig. 5, and what became of its images: of each run four images spread over it whose
- * rank 1 is right, with their segments, the local model and both aligned. \return false if there is none,
- * and no picture */
+/** \brief The paper's Fig. 5, and the places of its images: of each run four images spread over it whose rank
+ * 1 is right, with their segments, the local model and both aligned. \return false without such an image */
 bool drawExamples(const std::filesystem::path& path, const Evaluation& evaluation, const Map& map,
                   const PlaceTruth& truth, const std::vector<RunResults>& runs, bool relative);
 
