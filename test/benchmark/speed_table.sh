@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints the speed tables of README, row by row, and with valgrind installed the instruction counts of instructions.md, which
+# Prints the speed tables of README, row by row, and with valgrind installed instruction counts (instructions.md), which
 # are repeatable where times are not; those with 142 local models take minutes. README leaves out the row of 12 local models
 # with planes only.
 #
