@@ -367,6 +367,14 @@ stage_sequences() {
   done
 }
 
+stage_people() {
+  local seed
+  for seed in 51 52; do
+    bench score_people "office$seed" "home$seed" "hall$seed" --query-frames $((80 / every > 4 ? 80 / every : 4))
+    [ "$every" -eq 1 ] || break
+  done
+}
+
 stage_tracking() {
   local kind
   for kind in office home hall; do

@@ -17,6 +17,7 @@
 #include <facetloc/io/trajectory.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>
+#include <facetloc/simulation/simulated_people.h>
 #include <facetloc/simulation/simulated_place.h>
 #include <facetloc/simulation/simulated_sensors.h>
 
@@ -27,6 +28,7 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -41,6 +43,7 @@ constexpr double kBetweenStarts = 1000;  // [s] or a multiple: no two runs have 
 constexpr std::uint64_t kSeedOfRounds = kRunSeeds - 1;
 constexpr int kMostFrames = 1000000;
 constexpr int kMostRounds = 1000;
+constexpr int kMostPeople = 100;
 constexpr double kSwayInRounds = 4;  // [deg] of the mapping run, so that it never looks the same way twice
 constexpr double kMostBent = 1;      // [m]
 constexpr const char* kUsualCamera = "kinect";
@@ -131,6 +134,7 @@ private:
     std::vector<Eigen::Isometry3d> odometry{};  // T_o_b; may be empty
     std::vector<Eigen::Isometry3d> reported{};  // poses with errors; may be empty
     std::vector<StampedGravity> gravity{};      // may be empty
+    std::optional<SimulatedPeople> people{};
 
     std::string frameName(std::size_t i) const { return text::decimals(stamps[i], 6); }
   };
@@ -157,6 +161,9 @@ private:
     line.addParams(pace_, "pace");
     line.addOption("rounds", rounds_, "N",
                    "Repeat the route of the mapping run N times, each time on another line.");
+    line.addOption("people", people_, "N",
+                   "Number of people around the camera: followed, walking past, standing around.");
+    line.addOption("map-people", map_people_, "N", "The same in the mapping run.");
     line.addOption("map-step", map_step_, "M", "Distance between images of the mapping run [m].");
     line.addParams(drive_, "drive");
     line.addParams(noise_, "sensor");
@@ -259,6 +266,8 @@ private:
     const std::vector<std::string> wanted = wantedRuns();
     for (std::size_t i = 0; i < runs.size(); ++i) {
       if (std::find(wanted.begin(), wanted.end(), runs[i].name) == wanted.end()) continue;
+      if (const int people = runs[i].name == kMap ? map_people_ : people_; people > 0)
+        runs[i].people.emplace(people, runs[i].poses, runs[i].stamps, runSeed(seed, i));
       if (with_odometry_)
         runs[i].odometry = simulateOdometry(basePoses(runs[i].poses, drive_.mounting()), odometry_,
                                             drive_.robot, runSeed(seed, i));
@@ -321,6 +330,8 @@ private:
     for (const int frames : {map_frames_, query_frames_})
       if (frames < 1 || frames > kMostFrames)
         throw UsageError("map-frames and query-frames must lie in [1, 1000000]");
+    for (const int people : {people_, map_people_})
+      if (people < 0 || people > kMostPeople) throw UsageError("people and map-people must lie in [0, 100]");
     if (rounds_ < 1 || rounds_ > kMostRounds) throw UsageError("rounds must lie in [1, 1000]");
     if (!(surface_error_ >= 0 && surface_error_ <= kMostBent))
       throw UsageError("surface-error must lie in [0, 1]");
@@ -372,7 +383,9 @@ private:
           const auto& [run, index] = images[i];
           const fs::path folder = fs::path(folder_) / run->name;
           const std::string file = run->frameName(index) + ".png";
-          const SimulatedFrame frame = camera.render(*run->scene, run->poses[index], run->noise[index]);
+          const SimulatedFrame frame =
+              camera.render(run->people ? run->people->in(*run->scene, index) : *run->scene,
+                            run->poses[index], run->noise[index]);
           writeDepthPng(folder / "depth" / file, frame.depth, kDepthScale);
           if (run->labels) writeLabels(folder / "labels" / file, frame.labels);
           if (run->name == kQuery)
@@ -397,6 +410,7 @@ private:
   int map_frames_ = 444;    // the paper's
   int query_frames_ = 348;  // the paper's
   int rounds_ = 1;          // rounds of the mapping run
+  int people_ = 0, map_people_ = 0;
   double map_step_ = 0.25;
   double seconds_ = 60;  // duration of the continuous drive
   PaceParams pace_;
