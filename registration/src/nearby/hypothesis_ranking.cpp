@@ -28,17 +28,19 @@ struct DepthEvidence {
   std::vector<DepthAgreement> of_models;
 };
 
-DepthEvidence compared(const View& scene, const Eigen::Isometry3d& T_w_c,
+std::vector<PosedPicture> picturesOf(const std::vector<NearbyView>& views) {
+  std::vector<PosedPicture> pictures;
+  for (const NearbyView& n : views) pictures.push_back({&n.view->depth, n.T_w_m});
+  return pictures;
+}
+
+DepthEvidence compared(const DepthPicture& depth, const Eigen::Isometry3d& T_w_c,
                        const std::vector<NearbyView>& neighbours, const DepthComparison& comparison) {
   DepthEvidence found;
-  std::vector<PosedPicture> pictures;
-  for (const NearbyView& n : neighbours) {
-    const DepthPicture& depth = n.view->depth;
-    const Eigen::Isometry3d T_m_c = n.T_w_m.inverse() * T_w_c;
-    pictures.push_back({&depth, n.T_w_m});
-    found.of_models.push_back(comparison.count(depth, scene.depth, T_m_c.inverse(), kCoarseColumns));
-  }
-  found.of_scene = compareWithAll(scene.depth, T_w_c, pictures, comparison, kFineColumns);
+  for (const NearbyView& n : neighbours)
+    found.of_models.push_back(
+        comparison.count(n.view->depth, depth, (n.T_w_m.inverse() * T_w_c).inverse(), kCoarseColumns));
+  found.of_scene = compareWithAll(depth, T_w_c, picturesOf(neighbours), comparison, kFineColumns);
   return found;
 }
 
@@ -161,22 +163,36 @@ void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypothe
   assignProbabilities(found.slope, found.null_score, hypotheses);
 }
 
-double HypothesisRanking::evidence(const View& scene, const std::vector<NearbyView>& neighbours,
-                                   Hypothesis& h, const DepthComparison& comparison) const {
-  DepthEvidence found = compared(scene, *h.T_w_c, neighbours, comparison);
+double HypothesisRanking::evidence(const View& scene, const LooseBodies& bodies,
+                                   const std::vector<NearbyView>& neighbours, Hypothesis& h,
+                                   const DepthComparison& comparison) const {
+  double found = evidenceOf(scene.depth, scene, neighbours, h, comparison);
+  if (h.coverage.contradicted == 0) return found;
+  const LooseBodies::Chosen hiding = bodies.before(*h.T_w_c, picturesOf(neighbours), comparison);
+  if (!anyOf(hiding)) return found;
+  Hypothesis behind = h;
+  const double of_rest = evidenceOf(bodies.pictureWithout(hiding), scene, neighbours, behind, comparison);
+  if (of_rest > found) found = of_rest, h.coverage = behind.coverage;
+  return found;
+}
+
+double HypothesisRanking::evidenceOf(const DepthPicture& depth, const View& scene,
+                                     const std::vector<NearbyView>& neighbours, Hypothesis& h,
+                                     const DepthComparison& comparison) const {
+  DepthEvidence found = compared(depth, *h.T_w_c, neighbours, comparison);
   const bool incomplete = surfaces_ == MapSurfaces::incomplete;
   if (incomplete) dropFurniture(found);
-  const int step = gridStep(scene.depth, kFineColumns);
-  found.pixels = gridPoints(scene.depth.camera.width, step) * gridPoints(scene.depth.camera.height, step);
+  const int step = gridStep(depth, kFineColumns);
+  found.pixels = gridPoints(depth.camera.width, step) * gridPoints(depth.camera.height, step);
   h.coverage = coverageOf(found, scene, h.pairs);
-  found.expected = incomplete ? comparison.pixelsInReach(scene.depth, kFineColumns) : found.of_scene.judged();
+  found.expected = incomplete ? comparison.pixelsInReach(depth, kFineColumns) : found.of_scene.judged();
   return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence,
                  weightsOf(surfaces_));
 }
 
 std::optional<ViewShares> HypothesisRanking::shares(const View& scene, const Hypothesis& h) const {
   if (!h.T_w_c || scene.depth.empty()) return {};
-  const DepthEvidence found = compared(scene, *h.T_w_c, neighbours(h), comparison_);
+  const DepthEvidence found = compared(scene.depth, *h.T_w_c, neighbours(h), comparison_);
   const double pixels = comparison_.pixelsInReach(scene.depth, kFineColumns);
   if (found.of_scene.judged() == 0 || pixels == 0) return {};
   ViewShares shares;
@@ -191,8 +207,7 @@ std::optional<ViewShares> HypothesisRanking::shares(const View& scene, const Hyp
 // Moves a hypothesis, within its place, to where the pixels of these models fit best.
 void HypothesisRanking::refine(const View& scene, const std::vector<NearbyView>& neighbours,
                                Hypothesis& h) const {
-  std::vector<PosedPicture> pictures;
-  for (const NearbyView& n : neighbours) pictures.push_back({&n.view->depth, n.T_w_m});
+  const std::vector<PosedPicture> pictures = picturesOf(neighbours);
   const Eigen::Isometry3d T_w_m = poseOfModel(h);
   PoseWithCovariance pose = T_w_m * h.T_m_c;
   Matrix6d of_pixels;
@@ -213,10 +228,12 @@ std::size_t HypothesisRanking::hopeful(const std::vector<Hypothesis>& sorted, in
   return static_cast<std::size_t>(std::find_if(sorted.begin(), end, isHopeless) - sorted.begin());
 }
 
-PixelVerdict HypothesisRanking::verdict(const View& scene, Hypothesis h, bool refined) const {
+PixelVerdict HypothesisRanking::verdict(const View& scene, const LooseBodies& bodies, Hypothesis h,
+                                        bool refined) const {
   const std::vector<NearbyView> models = neighbours(h);
   if (refined) refine(scene, models, h);
-  const double evidence_here = evidence(scene, models, h, refined ? refined_comparison_ : comparison_);
+  const double evidence_here =
+      evidence(scene, bodies, models, h, refined ? refined_comparison_ : comparison_);
   return {h.T_m_c, h.T_w_c, evidence_here, h.coverage, !models.empty()};
 }
 
@@ -226,6 +243,7 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
   if (!params_.evidence.enabled || scene.depth.empty()) return false;
   const std::size_t n =
       hopeful(hypotheses, params_.evidence.hypotheses, params_.calibration.plain_probability.slope);
+  const LooseBodies& bodies = known.bodiesOf(scene);
   bool any = false;
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> found(n, 0);
@@ -233,7 +251,7 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
     const PixelVerdict& said =
-        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, judged, false); });
+        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, bodies, judged, false); });
     h.coverage = said.coverage;
     found[i] = said.evidence;
     any = any || said.compared;
@@ -251,12 +269,13 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
 void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses,
                                      PixelVerdicts& known) const {
   const std::size_t n = hopeful(hypotheses, kRefinedPlaces, params_.calibration.probability.slope);
+  const LooseBodies& bodies = known.bodiesOf(scene);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
     const PixelVerdict& said =
-        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, judged, true); });
+        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, bodies, judged, true); });
     h.T_m_c = said.T_m_c, h.T_w_c = said.T_w_c;
     h.coverage = said.coverage;
     h.evidence = said.evidence;
@@ -275,16 +294,17 @@ void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>&
 Matrix6d HypothesisRanking::shownCovariance(const View& scene, const PoseWithCovariance& prior,
                                             const Hypothesis& h) const {
   const std::vector<NearbyView> models = neighbours(h);
-  std::vector<PosedPicture> pictures;
-  for (const NearbyView& m : models) pictures.push_back({&m.view->depth, m.T_w_m});
+  std::vector<PosedPicture> pictures = picturesOf(models);
+  const LooseBodies bodies(scene);
+  const DepthPicture depth = bodies.pictureWithout(bodies.before(*h.T_w_c, pictures, comparison_));
   const Eigen::Isometry3d T_w_m = poseOfModel(h);
   PoseWithCovariance found = T_w_m * h.T_m_c, refined = found;
   Matrix6d of_pixels;
   const double more = 1 / errors_.pixels_as_one - shareOfRepeated(scene);  // that refine() has left out
-  if (more > 0 && refineByDepth(scene.depth, pictures, {}, refined, &of_pixels))
+  if (more > 0 && refineByDepth(depth, pictures, {}, refined, &of_pixels))
     found.P = symmetricInverse(symmetricInverse(found.P) + more * of_pixels);
   const PoseWithCovariance shown =
-      asShown(found, T_w_m * prior, {scene.depth, std::move(pictures), comparison_}, kCoarseColumns);
+      asShown(found, T_w_m * prior, {depth, std::move(pictures), comparison_}, kCoarseColumns);
   return (T_w_m.inverse() * shown).P;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "depth/depth_consistency.h"
+#include "depth/loose_bodies.h"
 #include "nearby/view_alignment.h"
 #include "poses/pose_fusion.h"
 
@@ -54,10 +55,13 @@ public:
     const auto known = verdicts_.find(key);
     return known != verdicts_.end() ? known->second : verdicts_.emplace(key, judge(h)).first->second;
   }
+  /** \brief The bodies of the scene. */
+  const LooseBodies& bodiesOf(const View& scene) { return bodies_ ? *bodies_ : bodies_.emplace(scene); }
 
 private:
   using Key = std::pair<int, std::array<double, 16>>;
   std::map<Key, PixelVerdict> verdicts_;
+  std::optional<LooseBodies> bodies_;
 };
 
 /** \brief The verdicts before and after refinement. */
@@ -146,16 +150,19 @@ protected:
   /** \brief Odds of the scores of a sorted list. */
   virtual ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const = 0;
 
-  /** \brief Evidence of views for a hypothesis [nats]; also sets h.coverage. */
-  double evidence(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h,
-                  const DepthComparison& comparison) const;
+  /** \brief Evidence of views for a hypothesis [nats]; also sets h.coverage. Bodies of the scene that stand
+   * before the surfaces of the views are left out if that explains more (localization/METHOD 1.1). */
+  double evidence(const View& scene, const LooseBodies& bodies, const std::vector<NearbyView>& neighbours,
+                  Hypothesis& h, const DepthComparison& comparison) const;
   const DepthComparison& comparison() const { return comparison_; }
   const DepthComparison& refinedComparison() const { return refined_comparison_; }
 
 private:
   void refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const;
+  double evidenceOf(const DepthPicture& depth, const View& scene, const std::vector<NearbyView>& neighbours,
+                    Hypothesis& h, const DepthComparison& comparison) const;
   Matrix6d shownCovariance(const View& scene, const PoseWithCovariance& prior, const Hypothesis& h) const;
-  PixelVerdict verdict(const View& scene, Hypothesis h, bool refined) const;
+  PixelVerdict verdict(const View& scene, const LooseBodies& bodies, Hypothesis h, bool refined) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 

@@ -100,17 +100,19 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
     if (origin.view == best->model) best->pairs.push_back({pair.scene, origin.segment, pair.distance});
   }
   best->supporting_models = {best->model};
-  if (mayHaveEvidence(query.view)) best->evidence = evidence(query.view, around, *best, refinedComparison());
+  if (mayHaveEvidence(query.view))
+    best->evidence = evidence(query.view, LooseBodies(query.view), around, *best, refinedComparison());
   best->score = best->consensus + evidenceWeight() * best->evidence;
   return best;
 }
 
 double PlaceRanking::oddsOfOther(const View& seen, const View& here, const View& other) const {
   constexpr double kCommon = 0.1;  // least share of the pixels that is compared
+  const LooseBodies bodies(seen);
   const auto evidenceOf = [&](const View& expected) -> std::optional<double> {
     Hypothesis h;
     h.T_w_c = Eigen::Isometry3d::Identity();
-    const double found = evidence(seen, {{unowned(expected), *h.T_w_c}}, h, comparison());
+    const double found = evidence(seen, bodies, {{unowned(expected), *h.T_w_c}}, h, comparison());
     return h.coverage.compared >= kCommon ? std::optional(found) : std::nullopt;
   };
   const std::optional<double> of_here = evidenceOf(here), of_other = evidenceOf(other);
