@@ -51,6 +51,29 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
   EXPECT_TRUE(posed);
 }
 
+// The second camera stands where the first one does, and sees the same with the same noise.
+TEST_F(Tools, FoldersOfARigAreOneViewWithThePoseOfTheFirst) {
+  fs::create_directory(folder_ / "rig");
+  for (const char* camera : {"rig/front", "rig/other"}) folder_.copyOf(query(), camera);
+  writeContent(folder_ / "rig/rig.ini", "cameras = front other\n");
+  ok(runTool<localizeApp>({map(), query(), "-o", folder_ / "one"}));
+  ok(runTool<localizeApp>({map(), folder_ / "rig", "-o", folder_ / "both"}));
+  EXPECT_THAT(contentOf(folder_ / "both/params.ini"), HasSubstr("# rig: front other, rotation_std_deg 0.5"));
+  const auto answers = [&](const char* results) {
+    return evaluate(readHypotheses(folder_ / results), readTumTrajectory(query() + "/groundtruth.txt"), {},
+                    {});
+  };
+  const Summary one = summarize("", answers("one").frames), both = summarize("", answers("both").frames);
+  EXPECT_EQ(both.total, one.total);
+  EXPECT_GE(both.best_correct, one.best_correct);
+  EXPECT_EQ(both.sure_correct, both.sure);
+
+  writeContent(folder_ / "rig/other/camera.ini",
+               "width=640 height=480 fx=525 fy=525 cx=320 cy=240 depth_scale=1000");
+  EXPECT_THAT(runTool<localizeApp>({map(), folder_ / "rig", "-o", folder_ / "none"}),
+              fails("has no mounting"));
+}
+
 TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {
   ok(runTool<localizeApp>({map(), firstImage(), "-o", folder_ / "a", "--probability.map_incomplete", "0.1",
                            "--calibration.probability.null_score", "-5", "--width=160"}));

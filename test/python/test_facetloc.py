@@ -95,6 +95,23 @@ def test_answers_are_right(room):
             assert answer.covariance.shape == (6, 6)
 
 
+def test_several_cameras_are_one_view(room):
+    recording, of_map = facetloc.Recording.open(room / "query"), facetloc.Map.open(room / "room.flmap")
+    both = [recording.camera] * 2  # the second stands where the first one does
+    localizer = facetloc.Localizer(of_map, rig=both)
+    answers = [(localizer.localize([frame.depth] * 2, both), frame) for frame in recording]
+    sure = [(answer, frame) for answer, frame in answers if answer.sure]
+    assert len(sure) > 5
+    for answer, frame in sure:
+        assert np.linalg.norm(answer.T_w_c[:3, 3] - frame.T_w_c[:3, 3]) < 0.2
+    depth, c = recording[0].depth, recording.camera
+    bare = facetloc.Camera(width=c.width, height=c.height, fx=c.fx, fy=c.fy, cx=c.cx, cy=c.cy)
+    with pytest.raises(ValueError, match="no mounting"):
+        localizer.localize([depth, depth], [c, bare])
+    with pytest.raises(ValueError, match="^depth is no list of 2 images"):
+        localizer.localize(depth, both)
+
+
 def test_whole_numbers_and_metres_are_the_same_image(room):
     recording = facetloc.Recording.open(room / "query")
     depth = recording[0].depth

@@ -349,31 +349,48 @@ class MapMaking:
         return self._making.findings()
 
 
-class Localizer:
-    """Where a camera is in a map: localize() for a single image, update() for the next one of a moving camera."""
+Depth = Union[npt.ArrayLike, Sequence[npt.ArrayLike]]
+Cameras = Union[Camera, Sequence[Camera]]
 
-    def __init__(self, map: Map, width: int = WIDTH, threads: int = 1, min_probability: Optional[float] = None):
+
+def _images(depth: Depth, camera: Cameras) -> Tuple[List[np.ndarray], List[Camera]]:
+    """One image and its camera, or several of one moment, as lists."""
+    if not isinstance(camera, (list, tuple)):
+        return [image(depth, "depth")], [checked(camera, "camera", Camera)]
+    if not isinstance(depth, (list, tuple)) or len(depth) != len(camera) or not camera:
+        raise ValueError(f"depth is no list of {len(camera)} images, as camera is of cameras")
+    return [image(one, "depth") for one in depth], [checked(one, "camera", Camera) for one in camera]
+
+
+class Localizer:
+    """Where a camera is in a map: localize() for a single image, update() for the next one of a moving camera.
+
+    Several cameras on a robot are one: Localizer(map, rig=[front, rear]).localize([front_depth, rear_depth], [front, rear]). Each
+    has its mounting (mount_height, ...), and the answer is about the first one. An image that is missing is left out of both lists."""
+
+    def __init__(self, map: Map, width: int = WIDTH, threads: int = 1, min_probability: Optional[float] = None,
+                 rig: Sequence[Camera] = ()):
         """min_probability: of a sure answer; unless given, as the map was calibrated, else 0.9. threads: 0 = all cores; the answer is
         the same."""
         least = None if min_probability is None else real(min_probability, "min_probability", 0, 1)
-        self._localizer = _facetloc.Localizer(checked(map, "map", Map)._map, whole(width, "width"), whole(threads, "threads"), least)
+        self._localizer = _facetloc.Localizer(checked(map, "map", Map)._map, whole(width, "width"), whole(threads, "threads"), least,
+                                              [checked(camera, "rig", Camera) for camera in rig])
         self._map = map
 
     def __repr__(self) -> str:
         return f"Localizer({self._map!r})"
 
-    def localize(self, depth: npt.ArrayLike, camera: Camera, gravity: Optional[npt.ArrayLike] = None,
+    def localize(self, depth: Depth, camera: Cameras, gravity: Optional[npt.ArrayLike] = None,
                  near: Optional[npt.ArrayLike] = None, std_m: float = 1, std_deg: float = 30) -> Answer:
         """By this image alone; near: a pose T_w_c somebody believes in, with its standard deviations."""
-        return _answer(self._localizer.localize(image(depth, "depth"), checked(camera, "camera", Camera), numbers(gravity, "gravity"),
+        return _answer(self._localizer.localize(*_images(depth, camera), numbers(gravity, "gravity"),
                                                 numbers(near, "near"), real(std_m, "std_m", 0), real(std_deg, "std_deg", 0)))
 
-    def update(self, depth: npt.ArrayLike, camera: Camera, stamp: float, motion: Optional[npt.ArrayLike] = None,
+    def update(self, depth: Depth, camera: Cameras, stamp: float, motion: Optional[npt.ArrayLike] = None,
                motion_covariance: Optional[npt.ArrayLike] = None, gravity: Optional[npt.ArrayLike] = None) -> Answer:
         """By all images so far. motion: T_before_now of the camera by an odometry, with its covariance."""
-        return _answer(self._localizer.update(image(depth, "depth"), checked(camera, "camera", Camera), real(stamp, "stamp"),
-                                              numbers(motion, "motion"), numbers(motion_covariance, "motion_covariance"),
-                                              numbers(gravity, "gravity")))
+        return _answer(self._localizer.update(*_images(depth, camera), real(stamp, "stamp"), numbers(motion, "motion"),
+                                              numbers(motion_covariance, "motion_covariance"), numbers(gravity, "gravity")))
 
     def set_pose(self, T_w_c: npt.ArrayLike, covariance: Optional[npt.ArrayLike] = None, std_m: float = 1, std_deg: float = 30,
                  part: str = "") -> None:

@@ -5,6 +5,7 @@
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/rig_file.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/localization/place_index.h>
 #include <facetloc/registration/pair_registration.h>
@@ -20,16 +21,46 @@ namespace {
 using MapPtr = std::shared_ptr<Map>;
 using OptionalArray = std::optional<py::array_t<double>>;
 
+PoseWithCovariance between(const Camera& first, const Camera& other) {
+  if (!first.mounting || !other.mounting)
+    throw std::invalid_argument("a camera of several has no mounting on the robot (mount_height, ...)");
+  return RigFile().between(*first.mounting, *other.mounting);
+}
+
+std::shared_ptr<const Map> mapFor(const MapPtr& map, const std::vector<CameraPtr>& rig) {
+  std::vector<Eigen::Isometry3d> sides;
+  for (std::size_t k = 1; k < rig.size(); ++k) sides.push_back(between(rig[0]->camera, rig[k]->camera).T);
+  return sides.empty() ? std::shared_ptr<const Map>(map) : mapForRig(map, std::move(sides));
+}
+
+using DepthArrays = std::vector<DepthArray>;
+
+DepthArrays arraysOf(const std::vector<py::array>& depth, const std::vector<CameraPtr>& cameras) {
+  DepthArrays all;
+  for (std::size_t k = 0; k < depth.size(); ++k) all.emplace_back(depth[k], cameras.at(k));
+  return all;
+}
+
 /** A localizer, its working width and its builder of views; one call at a time. */
 struct LockedLocalizer {
-  LockedLocalizer(MapPtr of_map, int working_width, int threads, const std::optional<double>& min_probability)
-      : map(std::move(of_map)), width(working_width), localizer(map) {
+  LockedLocalizer(MapPtr of_map, int working_width, int threads, const std::optional<double>& min_probability,
+                  const std::vector<CameraPtr>& rig)
+      : map(std::move(of_map)), width(working_width), localizer(mapFor(map, rig)) {
     localizer.setNumberOfThreads(threads);
     localizer.setMinProbability(min_probability.value_or(minProbabilityOf(*map)));
   }
 
-  View viewOf(const DepthArray& depth, const std::optional<Gravity>& gravity) const {
-    return ViewBuilder(map->calibrated(depth.camera())).build(depth.image(width), gravity);
+  /** The view of the first camera, joined with the others. */
+  View viewOf(const DepthArrays& depth, const std::optional<Gravity>& gravity) const {
+    const Camera& camera = depth[0].camera();
+    View first = ViewBuilder(map->calibrated(camera)).build(depth[0].image(width), gravity);
+    if (depth.size() == 1) return first;
+    std::vector<PosedView> others;
+    for (std::size_t k = 1; k < depth.size(); ++k)
+      others.push_back(
+          {std::make_shared<const View>(ViewBuilder(depth[k].camera()).build(depth[k].image(width))),
+           between(camera, depth[k].camera())});
+    return joined(first, others);
   }
 
   MapPtr map;
@@ -69,25 +100,27 @@ py::dict toDict(const Localization& answer, const Map& map, const Camera& camera
   return out;
 }
 
-py::dict localize(LockedLocalizer& self, const py::array& depth, const CameraPtr& camera,
-                  const OptionalArray& gravity, const OptionalArray& near, double std_m, double std_deg) {
-  const DepthArray array(depth, camera);
+py::dict localize(LockedLocalizer& self, const std::vector<py::array>& depth,
+                  const std::vector<CameraPtr>& cameras, const OptionalArray& gravity,
+                  const OptionalArray& near, double std_m, double std_deg) {
+  const DepthArrays arrays = arraysOf(depth, cameras);
   const auto down = toGravity(gravity);
   const auto guess = near ? std::optional(toPose(*near, "near", {}, "", std_m, std_deg)) : std::nullopt;
   Localization answer;
   {
     const py::gil_scoped_release others_run;
     const std::lock_guard lock(self.mutex);
-    const View view = self.viewOf(array, down);
+    const View view = self.viewOf(arrays, down);
     answer = guess ? self.localizer.localize(view, *guess) : self.localizer.localize(view);
     answer.next_look = self.localizer.nextLook(view, answer);
   }
-  return toDict(answer, *self.map, array.camera());
+  return toDict(answer, *self.map, arrays[0].camera());
 }
 
-py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& camera, double stamp,
-                const OptionalArray& motion, const OptionalArray& covariance, const OptionalArray& gravity) {
-  const DepthArray array(depth, camera);
+py::dict update(LockedLocalizer& self, const std::vector<py::array>& depth,
+                const std::vector<CameraPtr>& cameras, double stamp, const OptionalArray& motion,
+                const OptionalArray& covariance, const OptionalArray& gravity) {
+  const DepthArrays arrays = arraysOf(depth, cameras);
   const auto down = toGravity(gravity);
   if (motion && !covariance)
     throw std::invalid_argument("motion has no covariance: motion_covariance is missing");
@@ -97,11 +130,11 @@ py::dict update(LockedLocalizer& self, const py::array& depth, const CameraPtr& 
   {
     const py::gil_scoped_release others_run;
     const std::lock_guard lock(self.mutex);
-    const View view = self.viewOf(array, down);
+    const View view = self.viewOf(arrays, down);
     answer = self.localizer.update(view, stamp, moved);
     answer.next_look = self.localizer.nextLook(view, answer);
   }
-  return toDict(answer, *self.map, array.camera());
+  return toDict(answer, *self.map, arrays[0].camera());
 }
 
 void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const OptionalArray& covariance,
@@ -193,8 +226,8 @@ void addLocalization(py::module_& module) {
       .def_property_readonly("parts", [](const Map& map) { return map.parts; });
 
   py::class_<LockedLocalizer>(module, "Localizer")
-      .def(py::init<MapPtr, int, int, const std::optional<double>&>(), py::arg("map"), py::arg("width"),
-           py::arg("threads"), py::arg("min_probability"))
+      .def(py::init<MapPtr, int, int, const std::optional<double>&, const std::vector<CameraPtr>&>(),
+           py::arg("map"), py::arg("width"), py::arg("threads"), py::arg("min_probability"), py::arg("rig"))
       .def("localize", &localize, py::arg("depth"), py::arg("camera"), py::arg("gravity"), py::arg("near"),
            py::arg("std_m"), py::arg("std_deg"))
       .def("update", &update, py::arg("depth"), py::arg("camera"), py::arg("stamp"), py::arg("motion"),

@@ -11,6 +11,7 @@
 #include "inputs/depth_input.h"
 #include "inputs/gravity_option.h"
 #include "inputs/localization_options.h"
+#include "inputs/rig_input.h"
 #include "outputs/localization_report.h"
 #include "outputs/output_folder.h"
 #include "outputs/pose_stream.h"
@@ -86,15 +87,27 @@ std::string firstSure(const std::vector<FrameResult>& results) {
   return fmt::format(", first sure at image {}", first - results.begin() + 1);
 }
 
-LocalizedImage localizeFrame(const FrameFile& file, const View& scene, const ViewBuilder& builder,
+/** Makes the view of an image, joined with those of other cameras. */
+struct Seeing {
+  ViewBuilder builder;
+  SideViews sides;
+
+  View at(const DepthSequence& sequence, std::size_t index, int width, const GravityOption& gravity) {
+    const double stamp = sequence.frames()[index].stamp;
+    return sides.joinedTo(viewOf(sequence, index, width, builder, gravity.at(stamp)), stamp);
+  }
+};
+
+LocalizedImage localizeFrame(const FrameFile& file, const View& scene, const Seeing& seeing,
                              const Locate& localize, const Map& map, int max_hypotheses) {
   LocalizedImage image;
   auto& [result, traits] = image;
   const Clock::time_point start = Clock::now();
   const Localization answer = localize(scene, file.stamp);
   result.stamp = file.stamp;
-  result.timing = {file.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(),
-                   millisecondsSince(start), static_cast<int>(map.models.size())};
+  result.timing = {file.name, seeing.builder.segmentMilliseconds() + seeing.sides.milliseconds(),
+                   seeing.builder.featuresMilliseconds(), millisecondsSince(start),
+                   static_cast<int>(map.models.size())};
   result.rows = resultRows(file.name, answer, map, max_hypotheses);
   traits = ViewTraits::of(scene);
   traits.noise = scene.noise();
@@ -127,7 +140,8 @@ public:
       : App("facetloc_localize", "MAP.flmap [MAP.flmap ...] INPUT -o RESULTS [options]",
             "Finds where depth images were taken in a map. INPUT is a recording: a folder, a list (.txt, "
             ".lst) or one image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or "
-            "output of facetloc_segment. RESULTS/hypotheses.csv lists the ranked poses of each image, "
+            "output of facetloc_segment, or a folder with a rig.ini, which makes several cameras one view. "
+            "RESULTS/hypotheses.csv lists the ranked poses of each image, "
             "RESULTS/poses_tum.txt the sure ones. With several maps, as of floors, part names the map of a "
             "pose. Images that cannot be localized are listed with the "
             "reason. Under mpirun, its processes share the images.") {}
@@ -142,8 +156,9 @@ private:
     DepthSequence sequence;
     std::shared_ptr<const Map> map;
     Camera camera;
-    PosesByTime odometry{};    // odometry of the camera; may be empty
-    std::string params_ini{};  // parameters that the results depend on
+    std::vector<SideRecording> sides{};  // other cameras
+    PosesByTime odometry{};              // odometry of the camera; may be empty
+    std::string params_ini{};            // parameters that the results depend on
 
     const std::vector<FrameFile>& frames() const { return sequence.frames(); }
     std::vector<ResultFrame> resultFrames() const {
@@ -246,18 +261,21 @@ private:
         if (advising) answer.next_look = localizer->nextLook(view, answer);
         return answer;
       };
-    const auto builders =
-        std::make_shared<std::vector<ViewBuilder>>(workers, ViewBuilder(task.camera, input_.view));
+    const auto all = std::make_shared<std::vector<Seeing>>(workers, seeing(task));
     const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& {
       return task.frames()[images[i]];
     };
     return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
-            [this, &task, images, locate, builders, fileOf](std::size_t i, int worker) {
-              ViewBuilder& builder = (*builders)[worker];
-              const View scene =
-                  viewOf(task.sequence, images[i], input_.width, builder, gravity_.at(fileOf(i).stamp));
-              return localizeFrame(fileOf(i), scene, builder, locate, *task.map, max_hypotheses_);
+            [this, &task, images, locate, all, fileOf](std::size_t i, int worker) {
+              Seeing& here = (*all)[worker];
+              const View scene = here.at(task.sequence, images[i], input_.width, gravity_);
+              return localizeFrame(fileOf(i), scene, here, locate, *task.map, max_hypotheses_);
             }};
+  }
+
+  Seeing seeing(const Task& task) const {
+    return {ViewBuilder(task.camera, input_.view),
+            SideViews(task.sides, input_, task.odometry, odometry_error_, task.camera.mounting)};
   }
 
   /** \param localized the images of the drive */
@@ -313,13 +331,12 @@ private:
     constexpr double kMostDistance = 10;  // [m]
     const std::vector<FrameFile>& frames = task.frames();
     std::vector<View> views(frames.size());
-    Batch seeing(threads(), frames.size(), console);
-    std::vector<ViewBuilder> builders(seeing.workers(), ViewBuilder(task.camera, input_.view));
-    seeing.run([&](std::size_t i) { return frames[i].path.string(); },
-               [&](std::size_t i, int worker) {
-                 views[i] =
-                     viewOf(task.sequence, i, input_.width, builders[worker], gravity_.at(frames[i].stamp));
-               });
+    Batch views_of(threads(), frames.size(), console);
+    std::vector<Seeing> of_workers(views_of.workers(), seeing(task));
+    views_of.run([&](std::size_t i) { return frames[i].path.string(); },
+                 [&](std::size_t i, int worker) {
+                   views[i] = of_workers[worker].at(task.sequence, i, input_.width, gravity_);
+                 });
     const std::size_t n = (frames.size() + starts_ - 1) / starts_;
     std::vector<std::vector<StartAnswer>> found(n);
     Batch batch(threads(), n, console);
@@ -349,7 +366,7 @@ private:
       std::move(of_start.begin(), of_start.end(), std::back_inserter(all));
     writeStarts(folder_, all);
     console.print(fmt::format("{} in {}/starts.csv\n", counted(n, "start"), folder_));
-    return std::max(seeing.report(), batch.report());
+    return std::max(views_of.report(), batch.report());
   }
 
   void printSummary(const Run& run, const Map& map, const Console& console) const {
@@ -403,7 +420,8 @@ private:
     if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
     if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
     if (!near_.empty() && !is_sequence_) throw UsageError("--near goes with --sequence");
-    if (!odometry_.empty() && !is_sequence_) throw UsageError("--odometry goes with --sequence");
+    if (!odometry_.empty() && !is_sequence_ && !readRigFile(inputs_.back()))
+      throw UsageError("--odometry goes with --sequence, or with several cameras (rig.ini)");
     startPose(near_, {});
     if (is_sequence_ && resume_)
       throw UsageError(
@@ -421,15 +439,22 @@ private:
     Provenance::requireNotReplaced(input_path, folder_);
     if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
     input_.recording.segments = true;
-    DepthSequence sequence = openSequence(input_path, input_.recording, console);
-    const auto map = openMaps(maps_, console);
+    const std::optional<RigFile> rig = readRigFile(input_path);
+    DepthSequence sequence =
+        openSequence(rig ? rig->cameras.front().string() : input_path, input_.recording, console);
+    std::shared_ptr<const Map> map = openMaps(maps_, console);
     if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
     const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
     noteDifference(camera, *map, console);
     gravity_.read(sequence, console);
     PosesByTime odometry = odometryByTime(odometry_, sequence, camera.mounting, console);
     noteWithoutOdometry(sequence, odometry, console);
-    Task task{std::move(sequence), map, camera, std::move(odometry)};
+    std::vector<SideRecording> sides;
+    if (rig) {
+      sides = openSides(*rig, camera, input_, line, console);
+      map = mapForRig(map, posesOf(sides));
+    }
+    Task task{std::move(sequence), map, camera, std::move(sides), std::move(odometry)};
     std::optional<Drive> drive;
     if (is_sequence_) {
       Localizer localizer = newLocalizer(map, threads());
@@ -446,7 +471,7 @@ private:
     for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
     claimFolder(folder_, marksOfResults(), overwrite_);
     const OutputLock lock = OutputLock::ofFolder(folder_);
-    task.params_ini = paramsIni(task.sequence.camera(), camera, *map);
+    task.params_ini = paramsIni(task.sequence.camera(), camera, *map) + (rig ? rigLine(*rig) : "");
     Run run = begin(task);
     writeInputs(folder_, task.sequence.frames());
     std::optional<PoseStream> stream;

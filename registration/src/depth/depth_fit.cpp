@@ -27,10 +27,17 @@ double drop(const DepthFit& fit, double here, const Eigen::Isometry3d& T, const 
 
 }  // namespace
 
+DepthAgreement DepthFit::compare(const Scene& scene, const Eigen::Isometry3d& T_w_v, int columns) const {
+  DepthAgreement sum;
+  const Eigen::Isometry3d T_w_c = scene.T_v_c ? T_w_v * *scene.T_v_c : T_w_v;
+  for (const PosedPicture& other : scene.others)
+    sum += comparison_.compareBoth(*scene.picture, *other.picture, other.T_w_c.inverse() * T_w_c, columns);
+  return sum;
+}
+
 DepthAgreement DepthFit::compare(const Eigen::Isometry3d& T_w_c, int columns) const {
   DepthAgreement sum;
-  for (const PosedPicture& other : pictures_)
-    sum += comparison_.compareBoth(scene_, *other.picture, other.T_w_c.inverse() * T_w_c, columns);
+  for (const Scene& scene : scenes_) sum += compare(scene, T_w_c, columns);
   return sum;
 }
 
@@ -40,7 +47,11 @@ std::optional<double> logLikelihood(const DepthAgreement& seen, int columns) {
 }
 
 std::optional<double> DepthFit::operator()(const Eigen::Isometry3d& T_w_c, int columns) const {
-  return logLikelihood(compare(T_w_c, columns), columns);
+  std::optional<double> sum;
+  for (const Scene& scene : scenes_)
+    if (const auto of_scene = logLikelihood(compare(scene, T_w_c, columns), columns))
+      sum = sum.value_or(0) + *of_scene;
+  return sum;
 }
 
 ShownInformation shownInformation(const Matrix6d& stated, const Eigen::Isometry3d& T_w_c, const DepthFit& fit,

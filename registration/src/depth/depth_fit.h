@@ -3,7 +3,7 @@
 
 #include "depth/depth_consistency.h"
 
-#include <facetloc/features/depth_picture.h>
+#include <facetloc/features/local_model.h>
 #include <facetloc/features/pose.h>
 
 #include <optional>
@@ -11,22 +11,35 @@
 
 namespace facetloc::internal {
 
-/** \brief How well a picture fits others whose poses are known, as a function of its pose: minus the cost
- * that a pose has a minimum of (METHOD 11.4). All pictures must outlive it. */
+/** \brief How well the pictures of a view fit others whose poses are known, as a function of its pose: minus
+ * the cost that a pose has a minimum of (METHOD 11.4). All pictures must outlive it. */
 class DepthFit {
 public:
   DepthFit(const DepthPicture& scene, std::vector<PosedPicture> pictures, const DepthComparison& comparison)
-      : scene_(scene), pictures_(std::move(pictures)), comparison_(comparison) {}
+      : scenes_{{&scene, std::nullopt, std::move(pictures)}}, comparison_(comparison) {}
+
+  /** \brief Adds another picture of the view, and those near it. */
+  void add(const SidePicture& side, std::vector<PosedPicture> pictures) {
+    scenes_.push_back({side.picture.get(), side.T_v_c, std::move(pictures)});
+  }
+  /** \brief Number of pictures of the view. */
+  std::size_t size() const { return scenes_.size(); }
 
   /** \brief All pixels of the scene in the others and of the others in the scene. */
   DepthAgreement compare(const Eigen::Isometry3d& T_w_c, int columns) const;
-  /** \brief Log likelihood of the pixels relative to an exact fit [nats]; nothing where so few are
-   * compared that they say nothing. */
+  /** \brief Log likelihood of the pixels relative to an exact fit [nats], of all pictures of which enough
+   * pixels are compared; nothing if none is. */
   std::optional<double> operator()(const Eigen::Isometry3d& T_w_c, int columns) const;
 
 private:
-  const DepthPicture& scene_;
-  std::vector<PosedPicture> pictures_;
+  struct Scene {
+    const DepthPicture* picture;
+    std::optional<Eigen::Isometry3d> T_v_c;  // the view's own frame if empty
+    std::vector<PosedPicture> others;
+  };
+  DepthAgreement compare(const Scene& scene, const Eigen::Isometry3d& T_w_v, int columns) const;
+
+  std::vector<Scene> scenes_;
   const DepthComparison& comparison_;
 };
 

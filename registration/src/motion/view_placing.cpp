@@ -73,6 +73,8 @@ public:
         cost_(cost),
         fit_(view.depth, {{&other.depth, Eigen::Isometry3d::Identity()}}, comparison) {
     surroundings_.add(0, unowned(other), Eigen::Isometry3d::Identity());
+    for (const SidePicture& side : view.sides)
+      fit_.add(side, surroundings_.picturesNear(prior.T * side.T_v_c));
     prior_factor_.compute(prior.P);
   }
 
@@ -82,7 +84,8 @@ public:
     const DepthAgreement seen = fit_.compare(T, columns);
     const auto log_likelihood = logLikelihood(seen, columns);
     if (!log_likelihood) return {};
-    const double both = 2.0 * gridPoints(a.camera.width, gridStep(a, columns)) *
+    const double both = 2.0 * static_cast<double>(fit_.size()) *
+                        gridPoints(a.camera.width, gridStep(a, columns)) *
                         gridPoints(a.camera.height, gridStep(a, columns));
     const double compared = seen.agree + seen.contradict;
     PlacedView placed;

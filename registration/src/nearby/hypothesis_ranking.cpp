@@ -14,10 +14,6 @@
 
 namespace facetloc {
 namespace internal {
-namespace {
-
-constexpr double kBound = 2;        // standard deviations, of 95 % of the errors
-constexpr int kRefinedPlaces = 12;  // best places that are refined, a limit of time
 
 // Evidence of several models about one world pose: all together about each pixel of the scene, and one by one
 // about their own pixels, moved into the scene.
@@ -26,7 +22,18 @@ struct DepthEvidence {
   int pixels = 0;    // pixels of the scene
   int expected = 0;  // pixels among these that could agree
   std::vector<DepthAgreement> of_models;
+
+  void add(const DepthEvidence& other) {
+    of_scene += other.of_scene;
+    pixels += other.pixels;
+    of_models.insert(of_models.end(), other.of_models.begin(), other.of_models.end());
+  }
 };
+
+namespace {
+
+constexpr double kBound = 2;        // standard deviations, of 95 % of the errors
+constexpr int kRefinedPlaces = 12;  // best places that are refined, a limit of time
 
 std::vector<PosedPicture> picturesOf(const std::vector<NearbyView>& views) {
   std::vector<PosedPicture> pictures;
@@ -34,14 +41,24 @@ std::vector<PosedPicture> picturesOf(const std::vector<NearbyView>& views) {
   return pictures;
 }
 
-DepthEvidence compared(const DepthPicture& depth, const Eigen::Isometry3d& T_w_c,
-                       const std::vector<NearbyView>& neighbours, const DepthComparison& comparison) {
+// Evidence of one picture of the scene.
+DepthEvidence ofPicture(const DepthPicture& scene, const Eigen::Isometry3d& T_w_c,
+                        const std::vector<NearbyView>& neighbours, const DepthComparison& comparison) {
   DepthEvidence found;
   for (const NearbyView& n : neighbours)
     found.of_models.push_back(
-        comparison.count(n.view->depth, depth, (n.T_w_m.inverse() * T_w_c).inverse(), kCoarseColumns));
-  found.of_scene = compareWithAll(depth, T_w_c, picturesOf(neighbours), comparison, kFineColumns);
+        comparison.count(n.view->depth, scene, (n.T_w_m.inverse() * T_w_c).inverse(), kCoarseColumns));
+  found.of_scene = compareWithAll(scene, T_w_c, picturesOf(neighbours), comparison, kFineColumns);
+  const int step = gridStep(scene, kFineColumns);
+  found.pixels = gridPoints(scene.camera.width, step) * gridPoints(scene.camera.height, step);
   return found;
+}
+
+// The pixels of all pictures of the scene in reach of the camera.
+int pixelsInReach(const DepthPicture& depth, const View& scene, const DepthComparison& comparison) {
+  int sum = comparison.pixelsInReach(depth, kFineColumns);
+  for (const SidePicture& side : scene.sides) sum += comparison.pixelsInReach(*side.picture, kFineColumns);
+  return sum;
 }
 
 // An object in front of the surfaces of an incomplete map is not in it: it is no agreement, but it does not
@@ -163,6 +180,20 @@ void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypothe
   assignProbabilities(found.slope, found.null_score, hypotheses);
 }
 
+DepthEvidence HypothesisRanking::compared(const DepthPicture& depth, const View& scene,
+                                          const std::vector<NearbyView>& neighbours, const Hypothesis& h,
+                                          const DepthComparison& comparison) const {
+  DepthEvidence found = ofPicture(depth, *h.T_w_c, neighbours, comparison);
+  for (const SidePicture& side : scene.sides) {
+    Hypothesis there = h;
+    *there.T_w_c = *h.T_w_c * side.T_v_c;
+    DepthEvidence of_side = ofPicture(*side.picture, *there.T_w_c, this->neighbours(there), comparison);
+    of_side.pixels = of_side.of_scene.judged();  // where the map shows nothing, a side says nothing
+    found.add(of_side);
+  }
+  return found;
+}
+
 double HypothesisRanking::evidence(const View& scene, const LooseBodies& bodies,
                                    const std::vector<NearbyView>& neighbours, Hypothesis& h,
                                    const DepthComparison& comparison) const {
@@ -179,21 +210,19 @@ double HypothesisRanking::evidence(const View& scene, const LooseBodies& bodies,
 double HypothesisRanking::evidenceOf(const DepthPicture& depth, const View& scene,
                                      const std::vector<NearbyView>& neighbours, Hypothesis& h,
                                      const DepthComparison& comparison) const {
-  DepthEvidence found = compared(depth, *h.T_w_c, neighbours, comparison);
+  DepthEvidence found = compared(depth, scene, neighbours, h, comparison);
   const bool incomplete = surfaces_ == MapSurfaces::incomplete;
   if (incomplete) dropFurniture(found);
-  const int step = gridStep(depth, kFineColumns);
-  found.pixels = gridPoints(depth.camera.width, step) * gridPoints(depth.camera.height, step);
+  found.expected = incomplete ? pixelsInReach(depth, scene, comparison) : found.of_scene.judged();
   h.coverage = coverageOf(found, scene, h.pairs);
-  found.expected = incomplete ? comparison.pixelsInReach(depth, kFineColumns) : found.of_scene.judged();
   return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence,
                  weightsOf(surfaces_));
 }
 
 std::optional<ViewShares> HypothesisRanking::shares(const View& scene, const Hypothesis& h) const {
   if (!h.T_w_c || scene.depth.empty()) return {};
-  const DepthEvidence found = compared(scene.depth, *h.T_w_c, neighbours(h), comparison_);
-  const double pixels = comparison_.pixelsInReach(scene.depth, kFineColumns);
+  const DepthEvidence found = compared(scene.depth, scene, neighbours(h), h, comparison_);
+  const double pixels = pixelsInReach(scene.depth, scene, comparison_);
   if (found.of_scene.judged() == 0 || pixels == 0) return {};
   ViewShares shares;
   shares.explained = found.of_scene.agree / pixels, shares.hiding = found.of_scene.contradict / pixels;
@@ -303,8 +332,12 @@ Matrix6d HypothesisRanking::shownCovariance(const View& scene, const PoseWithCov
   const double more = 1 / errors_.pixels_as_one - shareOfRepeated(scene);  // that refine() has left out
   if (more > 0 && refineByDepth(depth, pictures, {}, refined, &of_pixels))
     found.P = symmetricInverse(symmetricInverse(found.P) + more * of_pixels);
-  const PoseWithCovariance shown =
-      asShown(found, T_w_m * prior, {depth, std::move(pictures), comparison_}, kCoarseColumns);
+  DepthFit fit(depth, std::move(pictures), comparison_);
+  LocalMap around;
+  if (!scene.sides.empty())
+    for (const NearbyView& m : models) around.add(0, m.view, m.T_w_m);
+  for (const SidePicture& side : scene.sides) fit.add(side, around.picturesNear(found.T * side.T_v_c));
+  const PoseWithCovariance shown = asShown(found, T_w_m * prior, fit, kCoarseColumns);
   return (T_w_m.inverse() * shown).P;
 }
 

@@ -75,6 +75,8 @@ struct NearbyView {
   Eigen::Isometry3d T_w_m;
 };
 
+struct DepthEvidence;
+
 /** \brief Makes hypotheses one ranked list of places: evidence, merging, refinement, probabilities. Which
  * views are near a hypothesis, and how scores become probabilities, differ between a map and a pair of views.
  * Never changes; all functions are thread-safe. */
@@ -158,6 +160,10 @@ protected:
   const DepthComparison& refinedComparison() const { return refined_comparison_; }
 
 private:
+  // The pictures of the scene, each with the views near its own camera.
+  DepthEvidence compared(const DepthPicture& depth, const View& scene,
+                         const std::vector<NearbyView>& neighbours, const Hypothesis& h,
+                         const DepthComparison& comparison) const;
   void refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const;
   double evidenceOf(const DepthPicture& depth, const View& scene, const std::vector<NearbyView>& neighbours,
                     Hypothesis& h, const DepthComparison& comparison) const;

@@ -11,9 +11,6 @@
 
 namespace facetloc::internal {
 
-/** \brief Reach of the views that may show the surfaces of a scene. */
-constexpr ViewReach kEvidenceReach{2.5, 50 * kDegree};
-
 /** \brief Finds the local models of a map that stand near a place, without looking at all of them.
  *
  * Models without a pose stand nowhere. Never changes; all functions are thread-safe. */

@@ -6,7 +6,9 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace facetloc::internal {
@@ -17,7 +19,21 @@ void LocalMap::add(int index, std::shared_ptr<const View> view, const Eigen::Iso
     origins.push_back({index, static_cast<int>(i)});
   }
   if (!view->depth.empty()) pictures.push_back({&view->depth, T_w_c});
+  for (const SidePicture& side : view->sides) {
+    const auto isIt = [&](const PosedPicture& known) { return known.picture == side.picture.get(); };
+    if (std::none_of(sides.begin(), sides.end(), isIt))
+      sides.push_back({side.picture.get(), T_w_c * side.T_v_c});
+  }
   views.push_back(std::move(view));
+}
+
+std::vector<PosedPicture> LocalMap::picturesNear(const Eigen::Isometry3d& T_w_c) const {
+  std::vector<PosedPicture> all = pictures, near;
+  all.insert(all.end(), sides.begin(), sides.end());
+  std::copy_if(all.begin(), all.end(), std::back_inserter(near), [&](const PosedPicture& p) {
+    return std::isfinite(viewDistance(p.T_w_c, T_w_c, kEvidenceReach));
+  });
+  return near.empty() ? all : near;
 }
 
 Matrix6d aboutStart() {
@@ -52,8 +68,12 @@ ViewAlignment alignView(const View& view, const LocalMap& surroundings, const Po
     out.T_w_c.P = symmetricInverse(of_planes + information);
   }
   static const DepthComparison comparison(DepthCalibration{});
-  if (params.as_shown && !view.depth.empty())
-    out.T_w_c = asShown(out.T_w_c, prior, {view.depth, surroundings.pictures, comparison}, kCoarseColumns);
+  if (params.as_shown && !view.depth.empty()) {
+    DepthFit fit(view.depth, surroundings.pictures, comparison);
+    for (const SidePicture& side : view.sides)
+      fit.add(side, surroundings.picturesNear(out.T_w_c.T * side.T_v_c));
+    out.T_w_c = asShown(out.T_w_c, prior, fit, kCoarseColumns);
+  }
   return out;
 }
 

@@ -24,10 +24,13 @@ struct LocalMap {
   std::vector<Segment> segments;                   ///< segments of all views, in world axes
   std::vector<Origin> origins;                     ///< origin of each segment
   std::vector<PosedPicture> pictures;              ///< pictures of the views that have one
+  std::vector<PosedPicture> sides;                 ///< other pictures of joined views, each once
   std::vector<std::shared_ptr<const View>> views;  ///< whose pictures these are
 
   /** \brief Adds view number `index`, taken at T_w_c. */
   void add(int index, std::shared_ptr<const View> view, const Eigen::Isometry3d& T_w_c);
+  /** \brief The pictures whose cameras look as one at T_w_c; all if none does. */
+  std::vector<PosedPicture> picturesNear(const Eigen::Isometry3d& T_w_c) const;
 };
 
 /** \brief How a view is aligned with its surroundings. */
@@ -74,6 +77,8 @@ struct ViewReach {
   double angle;     ///< angle between their viewing directions [rad]
 };
 constexpr ViewReach kTrackingReach{4, 60 * kDegree};
+/** \brief Reach of the views that may show the surfaces of a scene. */
+constexpr ViewReach kEvidenceReach{2.5, 50 * kDegree};
 
 /** \brief Distance of two cameras by their views [m]: the distance of their centres, and 1.5 m per radian
  * between their viewing directions (METHOD 8.4); infinite beyond the reach. */

@@ -31,12 +31,13 @@ double pairLogLikelihood(const PlaneMeasurement& m, const Matrix6d& P, const Sco
   return -0.5 * (cholesky.squaredMahalanobis(m.h) + 3 * std::log(2 * kPi) + cholesky.logDeterminant());
 }
 
-// Density of a plane that is another part of one that an earlier segment of the scene shows already, where
-// segment j lies.
-double coplanarDensity(const std::vector<Segment>& scene, std::size_t j) {
+// Density of a plane that is another part of one that an earlier, shown segment of the scene shows already,
+// where segment j lies.
+double coplanarDensity(const std::vector<Segment>& scene, const std::vector<std::size_t>& shown,
+                       std::size_t j) {
   static const double least_cosine = std::cos(4 * kCoplanarSpread);
   double most = 0;
-  for (std::size_t i = 0; i < j; ++i) {
+  for (const std::size_t i : shown) {
     const double cosine = scene[i].normal().dot(scene[j].normal());
     if (cosine < least_cosine) continue;
     const double angle = std::acos(std::min(1.0, cosine)) / kCoplanarSpread;
@@ -64,7 +65,7 @@ double chanceDensity(const Eigen::Vector3d& u, const std::vector<Eigen::Vector3d
          params.parallel_weight * params.coplanar_weight * coplanar;
 }
 
-// Is a point, given in the model's frame, in the model's view and not behind something that the model saw?
+// Is a point, given in the frame of a picture's camera, in view and not behind something that it shows?
 bool visible(const Eigen::Vector3d& p, const DepthPicture& picture, const DepthErrors& errors) {
   constexpr double kNearest = 0.4, kFarthest = 7.5;  // range in which planes are used [m]
   if (picture.empty()) return true;
@@ -75,6 +76,22 @@ bool visible(const Eigen::Vector3d& p, const DepthPicture& picture, const DepthE
   const std::size_t i = static_cast<std::size_t>(v) * picture.camera.width + u;
   if (picture.inverse_depth[i] == 0) return false;
   return 1 / p.z() >= picture.inverse_depth[i] * DepthPicture::kQuantum - errors.tolerance(1 / p.z());
+}
+
+// Poses of the model's frame in the cameras of its side pictures.
+std::vector<Eigen::Isometry3d> sidePoses(const View& model) {
+  std::vector<Eigen::Isometry3d> T_c_m;
+  for (const SidePicture& side : model.sides) T_c_m.push_back(side.T_v_c.inverse());
+  return T_c_m;
+}
+
+// Does any picture of the model show a point in the model's frame?
+bool visible(const Eigen::Vector3d& p, const View& model, const std::vector<Eigen::Isometry3d>& side_poses,
+             const DepthErrors& errors) {
+  if (visible(p, model.depth, errors)) return true;
+  for (std::size_t k = 0; k < side_poses.size(); ++k)
+    if (visible(side_poses[k] * p, *model.sides[k].picture, errors)) return true;
+  return false;
 }
 
 struct Explanation {
@@ -114,6 +131,7 @@ double logLikelihoodRatio(const Query& query, const View& model, const PoseWithC
                           const DepthComparison& comparison, const ScoreCalibration& params) {
   const View& scene = query.view;
   const DepthErrors errors = comparison.errorsBetween(scene.depth, model.depth);
+  const std::vector<Eigen::Isometry3d> side_poses = sidePoses(model);
   // The largest over all directions, not over the axes of the model: the score does not depend on those.
   const auto margin = static_cast<float>(kHullMargin + 2 * largestTranslationStd(T_m_c.P));
   // No pair is likelier than an exact one whose uncertainty is the slack alone.
@@ -121,12 +139,13 @@ double logLikelihoodRatio(const Query& query, const View& model, const PoseWithC
                          std::log(std::pow(params.slope_slack_deg * kDegree, 2) * params.offset_slack);
   double sum = 0;
   std::vector<Eigen::Vector3d> seen;
+  std::vector<std::size_t> shown;
   std::vector<Explanation> explanations;
   std::vector<int> covered;
   for (std::size_t j = 0; j < scene.segments.size(); ++j) {
     const Segment& F = scene.segments[j];
     const Eigen::Vector3d u = T_m_c.T.linear() * F.normal();
-    const double coplanar = params.coplanar_weight > 0 ? coplanarDensity(scene.segments, j) : 0;
+    const double coplanar = params.coplanar_weight > 0 ? coplanarDensity(scene.segments, shown, j) : 0;
     const double log_chance = std::log(chanceDensity(u, seen, coplanar, params));
     explanations.clear();
     for (const Segment& Fp : model.segments) {
@@ -144,7 +163,7 @@ double logLikelihoodRatio(const Query& query, const View& model, const PoseWithC
     covered.assign(explanations.size(), 0);
     for (const Eigen::Vector3d& sample : query.samples[j]) {
       const Eigen::Vector3d p = T_m_c.T * sample;
-      if (!visible(p, model.depth, errors)) continue;
+      if (!visible(p, model, side_poses, errors)) continue;
       ++num_visible;
       for (std::size_t i = 0; i < explanations.size(); ++i) {
         const Segment& Fp = *explanations[i].model;
@@ -161,6 +180,9 @@ double logLikelihoodRatio(const Query& query, const View& model, const PoseWithC
         explained += covered[i] / static_cast<double>(num_visible) * std::exp(explanations[i].llr);
       sum += visible_share * std::log(1 - params.match_probability + params.match_probability * explained);
     }
+    // A surface that another camera sees and the model does not show makes none of its surfaces likelier.
+    if (!scene.sides.empty() && !(visible_share > kMinVisible)) continue;
+    shown.push_back(j);
     const bool new_direction = std::none_of(seen.begin(), seen.end(), [&u](const Eigen::Vector3d& d) {
       return u.dot(d) > std::cos(kParallelSpread);
     });

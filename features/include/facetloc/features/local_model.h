@@ -16,8 +16,14 @@
 
 namespace facetloc {
 
+/** \brief The depth picture of another image in a view, and the pose of its camera there. */
+struct SidePicture {
+  std::shared_ptr<const DepthPicture> picture;  ///< never null or empty
+  Eigen::Isometry3d T_v_c;                      ///< its camera in the frame of the view
+};
+
 /** \brief The content of one depth image: its segments and its small depth picture, in the camera optical
- * frame.
+ * frame. Several images make one view by joined(), in the frame of the first.
  */
 struct View {
   Intrinsics intrinsics;  ///< intrinsics of the working image
@@ -26,6 +32,7 @@ struct View {
   std::vector<Segment> segments;     ///< the most useful first, by information content (METHOD 9)
   DepthPicture depth;                ///< may be empty: dense checks are then skipped
   std::optional<Gravity> gravity{};  ///< when the image was taken, if it was measured
+  std::vector<SidePicture> sides{};  ///< pictures of the other images; empty for one image
 
   bool hasPicture() const { return depth.camera.valid(); }
   /** \brief Noise of inverse depth that it was seen with, at the usual depth [1/m]. */
@@ -35,6 +42,16 @@ struct View {
 /** \brief A view of segments alone, without depth. It has their noise, the largest if they differ; \param
  * usual noise of those that do not know theirs */
 View viewOfSegments(std::vector<Segment> segments, const DepthNoise& usual = {});
+
+/** \brief A view and where its camera was in the frame of another one. */
+struct PosedView {
+  std::shared_ptr<const View> view;
+  PoseWithCovariance T_v_c;  ///< positive semidefinite covariance; its error is common to the segments
+};
+
+/** \brief One view of several images of a moment: the first with the segments and pictures of the others, in
+ * the frame of the first (METHOD 12). */
+View joined(const View& first, const std::vector<PosedView>& others);
 
 /** \brief A pointer that does not own its object. */
 template <class T>

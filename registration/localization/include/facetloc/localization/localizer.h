@@ -22,6 +22,10 @@ struct DriveView {
   Localization answer;                       ///< the views up to this one decide
 };
 
+/** \brief The same map for views that are joined(): each local model is joined with those nearest to where the
+ * other cameras would look from it, when it is first asked for. \param sides T_v_c of the other cameras */
+std::shared_ptr<const Map> mapForRig(std::shared_ptr<const Map> map, std::vector<Eigen::Isometry3d> sides);
+
 /** \brief Localizes a camera in a map: from one view, or from all views of a moving camera so far, where
  * later views may resolve the ambiguity of one, such as one of a bare wall.
  *
