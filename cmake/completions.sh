@@ -4,7 +4,7 @@
 set -euo pipefail
 tools=$1 out=$2
 
-commands_of() { "$1" --help 2>/dev/null | sed -nE '1s/^Usage: [a-z_]+ ([a-z|-]+\|[a-z|-]+) .*/\1/p' | tr '|' ' '; }
+commands_of() { "$1" --help 2>/dev/null | sed -nE '/^Commands:/,/^$/s/^  ([a-z-]+) .*/\1/p' | tr '\n' ' '; }
 options_of() { "$@" --help-all 2>/dev/null | grep -oE '^ +(-[a-z] \[ )?--[a-z][a-z0-9._-]*' | grep -oE -- '--.*' | sort -u | tr '\n' ' '; }
 
 mkdir -p "$out/bash" "$out/zsh"
@@ -45,7 +45,7 @@ for tool in $names; do
     echo "complete -o filenames -F _$tool $tool"
   } >"$out/bash/$tool"
 done
-commands=$("$tools/facetloc" --help | sed -nE '/^Commands:/,/^$/s/^  ([a-z]+) .*/\1/p' | tr '\n' ' ')
+commands=$(commands_of "$tools/facetloc")
 cat >"$out/bash/facetloc" <<END
 # Completion of facetloc for bash: the commands, and then the options of the tool behind each.
 _facetloc() {

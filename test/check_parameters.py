@@ -111,8 +111,8 @@ def help_of_tools(folder):
     texts = []
     for tool in sorted(pathlib.Path(folder).glob("facetloc_*")):
         if tool.is_file() and os.access(tool, os.X_OK):
-            commands = re.match(r"Usage: \w+ ([a-z-]+(?:\|[a-z-]+)+) ", output(tool, "--help"))
-            calls = [[command] for command in commands[1].split("|")] if commands else [[]]
+            commands = re.findall(r"^  ([a-z-]+) ", output(tool, "--help").partition("\nCommands:\n")[2], re.M)
+            calls = [[command] for command in commands] or [[]]
             texts += [output(tool, *call, "--help-all") for call in calls]
     return " ".join(" ".join(texts).split())
 

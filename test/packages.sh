@@ -117,7 +117,7 @@ fi
 timed 'wheel: apt install python3 NumPy venv' install_ python3 python3-numpy python3-venv
 timed 'wheel: pip install' inside sh -c 'python3 -m venv --system-site-packages /venv && /venv/bin/pip install --quiet --no-index /release/*.whl'
 first_report wheel /venv/bin/
-cmp "$work/debian/tried/results/hypotheses.csv" "$root/tried/results/hypotheses.csv"
+cmp "$work/debian/tried/details/results/hypotheses.csv" "$root/tried/details/results/hypotheses.csv"
 cp -r "$work/debian/data" "$root"
 inside /venv/bin/python /data/localize.py
 mkdir "$root/documents"

@@ -2,7 +2,7 @@
 //
 // The depth images of a recording as organized PCD files, as PCL's programs read them:
 //
-//   depth_to_pcd SEQUENCE FOLDER
+//   depth_to_pcd RECORDING DIR
 #include <facetloc/io/depth_sequence.h>
 
 #include <pcl/io/pcd_io.h>
@@ -15,7 +15,7 @@
 
 int main(int argc, char** argv) try {
   if (argc != 3) {
-    std::cerr << "usage: depth_to_pcd SEQUENCE FOLDER\n";
+    std::cerr << "usage: depth_to_pcd RECORDING DIR\n";
     return 2;
   }
   const std::filesystem::path folder = argv[2];

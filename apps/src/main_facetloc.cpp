@@ -4,5 +4,5 @@
 int main(int argc, char** argv) {
   std::error_code unknown;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  return facetloc::runFront({argv + 1, argv + argc}, facetloc::standardConsole(), self.parent_path());
+  return facetloc::frontProgram(self.parent_path()).run({argv + 1, argv + argc}, facetloc::standardConsole());
 }

@@ -2,5 +2,5 @@
 #include "cli/tools.h"
 
 int main(int argc, char** argv) {
-  return facetloc::runMapTool({argv + 1, argv + argc}, facetloc::standardConsole());
+  return facetloc::mapProgram().run({argv + 1, argv + argc}, facetloc::standardConsole());
 }

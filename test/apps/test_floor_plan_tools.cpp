@@ -69,7 +69,7 @@ TEST_F(FloorPlanTools, UnknownCellsThatCountAsFreeAreNamed) {
 TEST_F(FloorPlanTools, FloorPlansAreAskedForTheirHeight) {
   ok(runTool<simulateApp>({"hotel", "--grid", folder_ / "hotel"}));
   const std::string plan = folder_ / "hotel.yaml", map = folder_ / "hotel.flmap";
-  EXPECT_THAT(runTool<mapModelApp>({plan, "-o", map}), refuses("--wall-height"));
+  EXPECT_THAT(ok(runTool<mapModelApp>({plan, "-o", folder_ / "usual.flmap"})).out, HasSubstr("2.50 m high"));
   EXPECT_EQ(runTool<mapModelApp>({"scan.ply", "-o", map, "--wall-height", "2"}).code, kUsage);
   std::ofstream(folder_ / "bad.yaml") << "image: hotel.pgm\nresolution: nan\norigin: [0, 0, 0]\n";
   EXPECT_THAT(runTool<mapModelApp>({folder_ / "bad.yaml", "-o", map, "--wall-height", "2"}),

@@ -11,12 +11,12 @@ namespace {
 const fs::path kTools = fs::path(kMapTool).parent_path();
 
 ToolRun front(const std::vector<std::string>& arguments) {
-  return captured([&](const Console& console) { return runFront(arguments, console, kTools); });
+  return captured([&](const Console& console) { return frontProgram(kTools).run(arguments, console); });
 }
 
 TEST(Front, ListsAllCommands) {
   const ToolRun run = ok(front({}));
-  for (const FrontCommand& command : frontCommands()) {
+  for (const Command& command : frontProgram(kTools).commands) {
     EXPECT_THAT(run.out, HasSubstr("\n  " + command.name + " "));
     if (command.name != "try") {
       EXPECT_EQ(access((kTools / ("facetloc_" + command.name)).c_str(), X_OK), 0) << command.name;
@@ -25,6 +25,8 @@ TEST(Front, ListsAllCommands) {
   EXPECT_EQ(front({"--help"}).out, run.out);
   EXPECT_THAT(front({"--version"}).out, StartsWith("facetloc "));
   EXPECT_THAT(front({"fly"}), refuses("unknown command 'fly'", "Commands:"));
+  EXPECT_EQ(front({"help"}).out, run.out);
+  EXPECT_THAT(front({"help", "try"}).out, StartsWith("Usage: facetloc try "));
   EXPECT_THAT(front({"lokalize"}).err, HasSubstr("did you mean 'localize'?"));
 }
 
@@ -33,6 +35,7 @@ TEST(Front, BecomesTheToolThatIsNamed) {
   EXPECT_THAT(Process({facetloc, "map", "info", "nowhere.flmap"}).wait(),
               fails("facetloc_map", "nowhere.flmap"));
   EXPECT_EQ(Process({facetloc, "localize", "--no-such-option"}).wait().code, kUsage);
+  EXPECT_THAT(Process({facetloc, "help", "map", "build"}).wait().out, HasSubstr("Usage: facetloc_map build"));
   EXPECT_THAT(Process({facetloc, "render", "--help"}).wait().out, HasSubstr("Usage: facetloc_render"));
 }
 
@@ -45,10 +48,14 @@ TEST_F(Tools, TryMakesAReportOfTwoRecordings) {
   EXPECT_THAT(run.out, HasSubstr("\nNext: "));
   EXPECT_EQ(lastLine(run.out), "report in " + folder + "/report.html");
   EXPECT_THAT(contentOf(folder + "/report.html"), HasAll("of these are right", "Next: "));
-  for (const char* file : {"map.flmap", "results/hypotheses.csv", "check.txt", "check_later.json",
-                           "build.txt", "localize.txt", "evaluate.txt"})
-    EXPECT_TRUE(fs::exists(folder + "/" + file)) << file;
-  EXPECT_EQ(runTool<tryApp>({map_run(), query(), "-o", folder}).code, kOk) << "again, in the same folder";
+  std::vector<std::string> on_top;
+  for (const fs::path& path : filesOf(folder)) on_top.push_back(path.filename());
+  EXPECT_THAT(on_top, testing::ElementsAre("details", "map.flmap", "map.html", "report.html"));
+  for (const char* file : {"results/hypotheses.csv", "check.txt", "check_later.json", "build.txt",
+                           "localize.txt", "evaluate.txt", "tables.csv"})
+    EXPECT_TRUE(fs::exists(folder + "/details/" + file)) << file;
+  const ToolRun again = ok(runTool<tryApp>({map_run(), query(), "-o", folder}));
+  EXPECT_THAT(again.err, HasSubstr("the files of an earlier run in " + folder + " are replaced"));
 }
 
 TEST_F(Tools, TryNeedsNoTruth) {
@@ -59,7 +66,7 @@ TEST_F(Tools, TryNeedsNoTruth) {
   ASSERT_EQ(run.code, kOk) << run.err << run.out;
   const std::string report = contentOf(folder + "/report.html");
   EXPECT_THAT(report, HasAll("have a sure answer", "class=\"plan\"", Not(HasSubstr("TABLE"))));
-  EXPECT_FALSE(fs::exists(folder + "/tables.csv"));
+  EXPECT_FALSE(fs::exists(folder + "/details/tables.csv"));
 }
 
 TEST_F(Tools, TryStopsWhereSomethingIsWrong) {

@@ -60,7 +60,7 @@ void LiveTool::SetUpTestSuite() {
   ok(runTool<simulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", "40", "--width", "320",
                            "--drive.turn_deg", "3", "--drive.step", "0.05"}));
   ok(captured([](const Console& console) {
-    return runMapTool({"build", *room_ / "map", "-o", map(), "--map.distance", "0.2"}, console);
+    return mapProgram().run({"build", *room_ / "map", "-o", map(), "--map.distance", "0.2"}, console);
   }));
 }
 

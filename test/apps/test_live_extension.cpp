@@ -103,7 +103,7 @@ protected:
       fs::copy_file(fs::path(sequence()) / name, part / name);
     const std::string made = folder_ / "begin.flmap";
     ok(captured([&](const Console& console) {
-      return runMapTool({"build", part.string(), "-o", made, "--map.distance", "0.2"}, console);
+      return mapProgram().run({"build", part.string(), "-o", made, "--map.distance", "0.2"}, console);
     }));
     return made;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "evaluation/evaluation.h"
 #include "example_room.h"
 
@@ -72,6 +73,35 @@ TEST_F(Tools, FoldersOfARigAreOneViewWithThePoseOfTheFirst) {
                "width=640 height=480 fx=525 fy=525 cx=320 cy=240 depth_scale=1000");
   EXPECT_THAT(runTool<localizeApp>({map(), folder_ / "rig", "-o", folder_ / "none"}),
               fails("has no mounting"));
+}
+
+TEST_F(Tools, ThePosesOfAnImageArePrinted) {
+  const std::string image = firstImage();
+  const ToolRun printed = ok(runTool<localizeApp>({map(), image}));
+  const ToolRun kept = ok(runTool<localizeApp>({map(), image, "-o", folder_ / "results"}));
+  EXPECT_EQ(linesIn(kept.out)[1], linesIn(printed.out)[1]);
+  const ResultRow best = readHypotheses(folder_ / "results").front();
+  ASSERT_EQ(best.rank, 1);
+  std::string place = "world";
+  for (const double metres : best.T_w_c->translation()) place += " +" + text::decimals(metres, 3);
+  EXPECT_THAT(linesIn(printed.out)[1], ContainsRegex(place));
+  EXPECT_THAT(lastLine(printed.out), AllOf(HasSubstr("1 image: "), Not(HasSubstr("results in"))));
+  EXPECT_THAT(runTool<localizeApp>({map(), query()}), refuses("-o RESULTS"));
+}
+
+TEST_F(Tools, InputsAtTheWrongPlaceAreNamed) {
+  const std::string both = map_run() + " is a recording and " + map() + " is a map; the order is ";
+  EXPECT_THAT(runTool<localizeApp>({map_run(), map(), "-o", folder_ / "results"}),
+              refuses(both + "MAP.flmap... RECORDING -o RESULTS"));
+  EXPECT_THAT(runMap({"extend", map_run(), map()}), refuses(both + "MAP.flmap RECORDING"));
+  EXPECT_THAT(runMap({"build", "out.flmap", "-o", map_run()}),
+              refuses("out.flmap is a map and " + map_run() +
+                      " is a recording; the order is RECORDING -o MAP.flmap"));
+  EXPECT_THAT(runTool<checkApp>({map()}), refuses(map() + " is a map; expected RECORDING"));
+  ok(runTool<localizeApp>({map(), firstImage(), "-o", folder_ / "results"}));
+  EXPECT_THAT(runTool<evaluateApp>({map_run(), folder_ / "results"}),
+              refuses((folder_ / "results") + " is a folder of results; expected RESULTS"));
+  EXPECT_FALSE(fs::exists("out.flmap"));
 }
 
 TEST_F(Tools, ParametersOfResultsCanBeUsedAgain) {

@@ -39,6 +39,7 @@ TEST_F(Tools, MapMergeAndExport) {
   EXPECT_EQ(exported(), 2u);
   EXPECT_GT(models, 2u);
   EXPECT_TRUE(fs::exists(folder_ / "export/graph.g2o"));
+  EXPECT_THAT(runMap({"export", map(), "-o", query()}), fails("holds other files already"));
 }
 
 TEST_F(Tools, MapIsExportedAsAMesh) {
@@ -142,13 +143,19 @@ TEST_F(Tools, MapInfoAdvisesWhereToRecordMore) {
 }
 
 TEST_F(Tools, MapCommandsAreKnown) {
-  EXPECT_EQ(runMap({}).code, kUsage);
-  EXPECT_EQ(runMap({"biuld"}).code, kUsage);
+  EXPECT_THAT(runMap({"biuld"}), refuses("unknown command 'biuld'; did you mean 'build'?"));
+  EXPECT_THAT(runMap({"fly"}), refuses("unknown command 'fly'", "Commands:"));
+  const std::string list = ok(runMap({})).out;
+  for (const Command& command : mapProgram().commands) {
+    EXPECT_THAT(list, HasSubstr("\n  " + command.name + " "));
+    EXPECT_EQ(ok(runMap({"help", command.name})).out, ok(runMap({command.name, "--help"})).out);
+    EXPECT_THAT(runMap({"help", command.name}).out, StartsWith("Usage: facetloc_map " + command.name + " "));
+  }
   for (const char* option : {"--help", "-help", "-h", "--version", "-version"}) {
     EXPECT_EQ(runMap({option}).code, kOk) << option;
     std::ostringstream full, err;
     full.setstate(std::ios::badbit);
-    EXPECT_EQ(runMapTool({option}, Console{full, err, false, false, {}}), kFailed) << option;
+    EXPECT_EQ(mapProgram().run({option}, Console{full, err, false, false, {}}), kFailed) << option;
     EXPECT_THAT(err.str(), HasSubstr("cannot be written"));
   }
   writeContent(folder_ / "broken.flmap", "not a map");

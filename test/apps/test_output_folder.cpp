@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "outputs/output_folder.h"
-#include "outputs/provenance.h"
 #include "tool_runner.h"
 
 #include <facetloc/io/error.h>
@@ -28,7 +27,7 @@ std::string refusal(const Call& call) {
 TEST_F(OutputFolder, IsTheToolsOwnOrFree) {
   const std::string folder = folder_ / "new/results";
   const auto claim = [&](bool overwrite = false) {
-    return refusal([&] { claimFolder(folder, {"a.csv", "b.csv"}, overwrite); });
+    return refusal([&] { claimFolder(folder, {"a.csv", "b.csv"}, overwrite, nullptr); });
   };
   EXPECT_EQ(claim(), "") << "it is created";
   EXPECT_TRUE(fs::is_directory(folder));

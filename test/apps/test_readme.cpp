@@ -22,18 +22,16 @@
 #include <utility>
 
 namespace facetloc::test {
-namespace {
-
-void exampleOfReadme() {
-#include "example_localize_walk.inc"
-}
 
 using Cloud = pcl::PointCloud<pcl::PointXYZRGBA>;
-using Use = std::function<void(const Eigen::Isometry3d&, const Matrix6d&)>;
 
-void cloudExampleOfReadme(const Cloud::ConstPtr& cloud, const Use& use){
-#include "example_localize_cloud.inc"
-}
+// Those in files of their own, with no other includes than theirs.
+void makeMapOfWalk();
+void localizeWalk();
+void localizeCloud(const Cloud::ConstPtr& cloud,
+                   const std::function<void(const Eigen::Isometry3d&, const Matrix6d&)>& use);
+
+namespace {
 
 pcl::PointCloud<SegmentFrame> estimateFrames(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
                                              const pcl::PointCloud<pcl::Label>::ConstPtr& labels) {
@@ -60,12 +58,8 @@ void localizeDrive(const std::shared_ptr<const Map>& map, ViewBuilder& builder,
 #include "example_localize_drive.inc"
 }
 
-void writeMapOfWalk(const std::function<View(const DepthImage&)>& myViewOf) {
+void writeMapOfWalk(const std::function<View(const DepthImage&)>& myViewOf){
 #include "example_write_map.inc"
-}
-
-void makeMapOfWalk(){
-#include "example_make_map.inc"
 }
 
 /** The output of an example in a folder. */
@@ -101,7 +95,7 @@ protected:
     change(file.camera);
     writeCameraFile(folder_ / "walk/query/camera.ini", file);
     ok(runTool<localizeApp>({folder_ / "walk.flmap", folder_ / "walk/query", "-o", folder_ / "results"}));
-    const std::string by_example = printedIn(folder_ / ".", exampleOfReadme),
+    const std::string by_example = printedIn(folder_ / ".", localizeWalk),
                       by_tool = printed(readHypotheses(folder_ / "results"));
     EXPECT_EQ(by_example, by_tool);
     EXPECT_THAT(by_example, HasSubstr(" at "));
@@ -130,7 +124,7 @@ TEST_F(Readme, ACloudIsFoundInAMap) {
       EXPECT_LT((T.translation() - truth.translation()).norm(), 0.1);
     };
     const int before = sure;
-    const std::string printed_text = printedIn(folder_ / ".", [&] { cloudExampleOfReadme(cloud, use); });
+    const std::string printed_text = printedIn(folder_ / ".", [&] { localizeCloud(cloud, use); });
     EXPECT_EQ(printed_text.empty(), sure > before) << printed_text;
   }
   EXPECT_GE(sure, 6);

@@ -13,6 +13,8 @@ namespace {
 
 TEST_F(Tools, RegisterFindsAnImageInItself) {
   const auto images = filesOf(map_run() + "/depth");
+  EXPECT_THAT(runTool<registerApp>({images[0].string(), images[1].string(), "-o", images[0].parent_path()}),
+              fails("holds other files already"));
   EXPECT_THAT(ok(runTool<registerApp>({images[0].string(), images[1].string(), "-o", folder_ / "out"})).out,
               HasSubstr(folder_ / "out"));
   const auto rows = readHypotheses(folder_ / "out");

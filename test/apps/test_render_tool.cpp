@@ -85,6 +85,9 @@ TEST_F(Tools, RenderWritesPagesForBrowsers) {
   EXPECT_EQ(whole, written({results, "--map", map(), "--sequence", query()})) << "the same bytes";
   EXPECT_EQ(runTool<renderApp>({results, "-o", page}).code, kUsage);
   EXPECT_EQ(runTool<renderApp>({firstImage(), "-o", page}).code, kUsage);
+  writeContent(page, "mine");
+  EXPECT_THAT(runTool<renderApp>({map(), "-o", page}), refuses("would overwrite " + page));
+  ok(runTool<renderApp>({map(), "-o", page, "--overwrite"}));
 }
 
 TEST_F(Tools, RenderNamesMissingInputs) {

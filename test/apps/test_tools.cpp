@@ -7,7 +7,7 @@
 namespace facetloc::test {
 
 ToolRun runMap(const std::vector<std::string>& arguments) {
-  return captured([&](const Console& console) { return runMapTool(arguments, console); });
+  return captured([&](const Console& console) { return mapProgram().run(arguments, console); });
 }
 
 std::unique_ptr<TemporaryFolder> Tools::room_;

@@ -11,7 +11,7 @@ with Newcomer() as user:
     truth = user.poses("walk/query/groundtruth.txt")
     check(len(truth) >= 20, f"the sample has {len(truth)} images to be found")
     check("sure" in user.page("walk.try/report.html"), "the report of facetloc try has a verdict")
-    check_right(user.poses("walk.try/results/poses_tum.txt"), truth, 0.9, 0.3, 5.0)  # as one drive
+    check_right(user.poses("walk.try/details/results/poses_tum.txt"), truth, 0.9, 0.3, 5.0)  # as one drive
 
     for command in readme.commands("You have a recording"):
         printed = user.type(command)

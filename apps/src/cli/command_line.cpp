@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "cli/app.h"
+#include "cli/given_inputs.h"
 #include "cli/spelling.h"
 
 #include <facetloc/io/atomic_file.h>
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 #include <set>
 #include <sstream>
+#include <utility>
 
 namespace po = boost::program_options;
 
@@ -63,10 +65,8 @@ struct CommandLine::Declared {
     Shown shown;
     std::unique_ptr<Options> options;
   };
-  Options common{"Options", kHelpWidth}, rare{"Rarely needed", kHelpWidth}, general{"General", kHelpWidth},
-      hidden;
+  Options common{"Options", kHelpWidth}, rare{"Rarely needed", kHelpWidth}, general{"General", kHelpWidth};
   std::vector<Group> groups;  // groups of parameters, in the order of addParams()
-  po::positional_options_description positions;
   po::variables_map values;
 };
 
@@ -97,16 +97,12 @@ void CommandLine::addGeneralOptions(int& threads, bool& quiet, std::string& find
   });
 }
 
-void CommandLine::addArgument(const std::string& name, std::string& value, bool required) {
-  arguments_.push_back({name, required});
-  declared_->hidden.add_options()(name.c_str(), po::value(&value), "");
-  declared_->positions.add(name.c_str(), 1);
+void CommandLine::addArgument(const std::string& word, std::string& value, bool required) {
+  arguments_.push_back({word, required, &value});
 }
 
-void CommandLine::addArguments(const std::string& name, std::vector<std::string>& values) {
-  arguments_.push_back({name, true});
-  declared_->hidden.add_options()(name.c_str(), po::value(&values), "");
-  declared_->positions.add(name.c_str(), -1);
+void CommandLine::addArguments(const std::string& word, std::vector<std::string>& values) {
+  arguments_.push_back({word, true, nullptr, &values});
 }
 
 void CommandLine::addSwitch(const std::string& name, bool& value, const std::string& help) {
@@ -170,14 +166,19 @@ std::vector<std::string> CommandLine::names() const {
   return names;
 }
 
-/** Brings every option into the form --declared-name=value, which leaves nothing for Boost to guess. */
-std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>& arguments) const {
+/** Brings every option into the form --declared-name=value, which leaves nothing for Boost to guess.
+ * \param unnamed receives the other arguments */
+std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>& arguments,
+                                                 std::vector<std::string>& unnamed) const {
   std::vector<std::string> out;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
-    if (argument == "--") return out.insert(out.end(), arguments.begin() + i, arguments.end()), out;
+    if (argument == "--") {
+      unnamed.insert(unnamed.end(), arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1, arguments.end());
+      break;
+    }
     if (!asksForOption(argument)) {
-      out.push_back(argument);
+      unnamed.push_back(argument);
       continue;
     }
     const auto equals = argument.find('=');
@@ -205,6 +206,44 @@ std::vector<std::string> CommandLine::spelledOut(const std::vector<std::string>&
     out.push_back(spelled);
   }
   return out;
+}
+
+/** Each argument gets its value, and a list all that the others leave. */
+void CommandLine::assign(const std::vector<std::string>& unnamed) const {
+  std::size_t next = 0, required = 0;
+  for (const Argument& argument : arguments_) {
+    if (argument.required && ++required > unnamed.size()) throw UsageError(argument.word + " is missing");
+  }
+  std::size_t spare = unnamed.size() - required;
+  for (const Argument& argument : arguments_) {
+    if (!argument.required && spare == 0) continue;
+    if (!argument.required) --spare;
+    if (argument.value) *argument.value = unnamed[next++];
+    if (!argument.values) continue;
+    for (std::size_t n = 1 + std::exchange(spare, 0); n > 0; --n) argument.values->push_back(unnamed[next++]);
+  }
+  if (spare > 0) throw UsageError("too many arguments");
+}
+
+/** Throws UsageError if an argument is at the place of another, such as a recording where a map belongs. */
+void CommandLine::requireKinds() const {
+  std::vector<GivenInput> inputs;
+  const auto add = [&inputs](const std::string& word, const std::vector<std::string>& paths) {
+    for (const std::string& path : paths)
+      if (!path.empty()) inputs.push_back({word, path});
+  };
+  for (const Argument& argument : arguments_)
+    add(argument.word, argument.values ? *argument.values : std::vector<std::string>{*argument.value});
+  for (const auto& option : declared_->common.options()) {
+    const std::string word = option->semantic()->name();
+    if (!isMap(word) || !declared_->values.count(option->long_name())) continue;
+    const boost::any& value = declared_->values[option->long_name()].value();
+    if (const auto* path = boost::any_cast<std::string>(&value)) add(word, {*path});
+    if (const auto* paths = boost::any_cast<std::vector<std::string>>(&value)) add(word, *paths);
+  }
+  if (const std::vector<std::string> facts = misplacedInputs(inputs); !facts.empty())
+    throw UsageError(fmt::format("{}; {} {}", fmt::join(facts, " and "),
+                                 facts.size() > 1 ? "the order is" : "expected", synopsis_));
 }
 
 /** The lines of a parameter file as arguments. */
@@ -257,18 +296,15 @@ void CommandLine::store(const std::vector<std::string>& arguments) {
     if (argument.find("%value%") != std::string::npos)
       throw po::error(fmt::format("'{}' cannot be an argument", argument));
   Options all;
-  all.add(declared_->common).add(declared_->rare).add(declared_->general).add(declared_->hidden);
+  all.add(declared_->common).add(declared_->rare).add(declared_->general);
   for (const Declared::Group& group : declared_->groups) all.add(*group.options);
-  po::store(po::command_line_parser(arguments)
-                .options(all)
-                .positional(declared_->positions)
-                .style(allow_long | long_allow_adjacent)
-                .run(),
+  po::store(po::command_line_parser(arguments).options(all).style(allow_long | long_allow_adjacent).run(),
             declared_->values);
 }
 
 bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream& out) try {
-  store(spelledOut(arguments));
+  std::vector<std::string> unnamed;
+  store(spelledOut(arguments, unnamed));
   if (declared_->values["help-all"].as<bool>()) return printHelp(out, true), false;
   if (declared_->values["help"].as<bool>()) return printHelp(out, false), false;
   if (declared_->values["version"].as<bool>()) return out << versionText() << "\n", false;
@@ -286,14 +322,11 @@ bool CommandLine::parse(const std::vector<std::string>& arguments, std::ostream&
     const std::string name = declared_->values["preset"].as<std::string>();
     storeFrom("preset " + name, parametersIn(presetText(name), name, Unknown::skipped));
   }
-  for (const Argument& argument : arguments_)
-    if (argument.required && !declared_->values.count(argument.name))
-      throw UsageError(argument.name + " is missing");
+  assign(unnamed);
   po::notify(declared_->values);
+  requireKinds();
   for (const auto& check : checks_) check();
   return true;
-} catch (const po::too_many_positional_options_error&) {
-  throw UsageError("too many arguments");
 } catch (const po::error& e) {
   throw UsageError(e.what());
 } catch (const std::invalid_argument& e) {  // thrown by checkRanges()

@@ -48,10 +48,11 @@ public:
   CommandLine(std::string tool, std::string synopsis, std::string about);
   ~CommandLine();
 
-  /** \brief An argument without a name. Optional ones come last. */
-  void addArgument(const std::string& name, std::string& value, bool required = true);
-  /** \brief The last argument, of which there is at least one. */
-  void addArguments(const std::string& name, std::vector<std::string>& values);
+  /** \brief An argument without a name, of the kind of its word in the usage (given_inputs.h). Optional ones
+   * come last. */
+  void addArgument(const std::string& word, std::string& value, bool required = true);
+  /** \brief At least one argument, and all that the others leave. */
+  void addArguments(const std::string& word, std::vector<std::string>& values);
 
   /** \brief An option with a value; "name,n" gives it a short form. Strings are shown without their default.
    * A list of strings has one for each time that it is given. */
@@ -127,8 +128,10 @@ private:
     bool in_files = true;
   };
   struct Argument {
-    std::string name;
+    std::string word;
     bool required = true;
+    std::string* value = nullptr;
+    std::vector<std::string>* values = nullptr;  // instead, for a list
   };
 
   /** For bool, int, double, std::string, and lists of strings. */
@@ -159,7 +162,10 @@ private:
 
   const Option* find(std::string name) const;
   std::vector<std::string> names() const;
-  std::vector<std::string> spelledOut(const std::vector<std::string>& arguments) const;
+  std::vector<std::string> spelledOut(const std::vector<std::string>& arguments,
+                                      std::vector<std::string>& unnamed) const;
+  void assign(const std::vector<std::string>& unnamed) const;
+  void requireKinds() const;
   enum class Unknown { refused, skipped };
   std::vector<std::string> parametersIn(std::string_view content, const std::string& path,
                                         Unknown unknown) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "cli/app.h"
+#include "cli/commands.h"
 
 #include <memory>
 
@@ -15,7 +15,7 @@ MakeApp checkApp, convertApp, evaluateApp, liveApp, localizeApp, registerApp, re
 MakeApp mapBuildApp, mapCalibrateApp, mapChangesApp, mapCheckApp, mapDensifyApp, mapExportApp, mapExtendApp,
     mapImportApp, mapInfoApp, mapMergeApp, mapModelApp;
 
-/** \brief facetloc_map: hands over to the tool that its first argument names. \return the exit code. */
-int runMapTool(const std::vector<std::string>& arguments, Console console);
+/** \brief facetloc_map. */
+const CommandProgram& mapProgram();
 
 }  // namespace facetloc

@@ -34,14 +34,14 @@ constexpr const char* kMapPage = "map.html";
 constexpr const char* kExamples = "fig5.png";
 
 /** Claims a folder, and removes the output of an earlier evaluation that this one may not replace. */
-void begin(const fs::path& folder, bool overwrite) {
+void begin(const fs::path& folder, bool overwrite, const Console& console) {
   const std::vector<std::string> earlier = {
       "report.html",          kMapPage,        "timing_summary.csv", "fig6.png",   "reliability.png",
       "errors.png",           "floor_map.png", kTrajectories,        "starts.png", "starts_by_images.csv",
       "starts_by_metres.csv", kExamples};
   std::vector<std::string> marks = earlier;
   marks.emplace_back("evaluation.txt");
-  claimFolder(folder, marks, overwrite);
+  claimFolder(folder, marks, overwrite, &console);
   for (const std::string& name : earlier) fs::remove(folder / name);
   removeMisses(folder / kFailureFolder);
 }
@@ -262,7 +262,7 @@ private:
     }
     const fs::path beside = fs::path(results_).replace_extension();
     const fs::path folder = folder_.empty() ? fs::path(beside.string() + "_evaluation") : fs::path(folder_);
-    begin(folder, overwrite_);
+    begin(folder, overwrite_, console);
     writeReport(folder, report);
     const OffscreenDisplay display;
     if (display.available())
@@ -282,7 +282,7 @@ private:
     EvaluationReport report = begunReport(input);
     report.evaluation = withoutTruth(input.runs);
     if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
-    begin(folder_, overwrite_);
+    begin(folder_, overwrite_, console);
     writeHtmlReport(folder_, report, figuresOf(report, input, console));
     return conclude(report, console);
   }
@@ -308,7 +308,7 @@ private:
     input.truth = PlaceTruth::open(truth_, time_offset_);
     if (align_) input.alignment = align(input);
     const EvaluationReport report = reportOf(input);
-    begin(folder_, overwrite_);
+    begin(folder_, overwrite_, console);
     writeReport(folder_, report);
     if (const auto answers = readStarts(results_); !answers.empty()) {
       const Eigen::Isometry3d T_true_estimated =

@@ -143,7 +143,7 @@ private:
         requireOtherFolder(*folder, fs::is_directory(depth) ? depth : played);
     if (!options.results.empty()) {
       Provenance::requireNotReplaced(line.paramsFile(), options.results);
-      claimFolder(options.results, marksOfResults(), overwrite_);
+      claimFolder(options.results, marksOfResults(), overwrite_, &console);
     }
     if (fs::exists(options.recording)) throw IoError(options.recording, "exists already");
 

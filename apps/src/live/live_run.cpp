@@ -15,6 +15,7 @@
 #include "live/live_status.h"
 #include "live/live_window.h"
 #include "live/remembered_pose.h"
+#include "outputs/output_folder.h"
 #include "outputs/pose_stream.h"
 #include "outputs/provenance.h"
 
@@ -385,7 +386,7 @@ private:
 
   void drawScreenshot(const LiveResult& result, const fs::path& path) {
     if (!screenshot_) screenshot_ = std::make_unique<LiveScreenshot>(map_);
-    requireNoneButPicture(path);
+    requireReplaceable(path);
     writePng(path, screenshot_->draw(result));
     ++screenshots_;
   }

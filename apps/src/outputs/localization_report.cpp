@@ -2,6 +2,7 @@
 #include "outputs/localization_report.h"
 
 #include "base/median.h"
+#include "base/text.h"
 #include "cli/text.h"
 
 #include <facetloc/localization/localizer.h>
@@ -29,6 +30,11 @@ ResultRow resultRow(const std::string& frame, int rank, const Hypothesis& h, con
   if (const auto& T_w_m = map.models[h.model].T_w_m; rank == 1 && T_w_m && h.T_w_c)
     row.P_w_c = (*T_w_m * h.T_m_c).P;
   return row;
+}
+
+std::string vectorText(const Eigen::Vector3d& v, int decimals) {
+  // Adding zero makes -0 positive.
+  return fmt::format("{0:.{3}f} {1:.{3}f} {2:.{3}f}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0, decimals);
 }
 
 constexpr double kHardlyAny = 0.1;    // share of sure answers
@@ -83,6 +89,23 @@ std::vector<ResultRow> resultRows(const std::string& frame, const Localization& 
   reason += answer.reason;
   rows.front().next_look = answer.next_look;
   return rows;
+}
+
+void printPoses(std::ostream& out, const std::vector<ResultRow>& rows, const std::string& world) {
+  TextTable table({"rank", "probability", "score", "in", "translation [m]", "rotation vector [deg]",
+                   "angle [deg]", "std [m]", "std [deg]", "remarks"});
+  table.setWordsLast();
+  for (const ResultRow& row : rows) {
+    const Eigen::Isometry3d& T = row.T_w_c ? *row.T_w_c : row.T_m_c;
+    const Eigen::Vector3d rotation = logSO3(T.linear()) / kDegree;
+    table.add({std::to_string(row.rank), text::decimals(row.probability, 4), text::decimals(row.score, 1),
+               !row.T_w_c         ? row.model
+               : row.part.empty() ? world
+                                  : row.part,
+               vectorText(T.translation(), 3), vectorText(rotation, 2), text::decimals(rotation.norm(), 2),
+               text::decimals(row.sd_trans_m, 3), text::decimals(row.sd_rot_deg, 2), row.reason});
+  }
+  out << table;
 }
 
 std::string toString(const NextLook& look) {

@@ -18,6 +18,9 @@ namespace facetloc {
  * reason. */
 std::vector<ResultRow> resultRows(const std::string& frame, const Localization& answer, const Map& map,
                                   int max_hypotheses);
+/** \brief The ranked poses as a table for people, each in the world, in the frame of its part of the map, or
+ * else in its local model. \param world its name */
+void printPoses(std::ostream& out, const std::vector<ResultRow>& rows, const std::string& world);
 /** \brief "turn 60° to the left, then drive 1.5 m ahead". */
 std::string toString(const NextLook& look);
 /** \brief The line of a frame without an answer. */

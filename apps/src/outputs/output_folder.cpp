@@ -2,13 +2,16 @@
 #include "outputs/output_folder.h"
 
 #include "cli/findings_file.h"
-#include "outputs/provenance.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/png.h>
 
 #include <algorithm>
+#include <array>
 #include <fmt/core.h>
+#include <fstream>
+#include <string_view>
 #include <system_error>
 
 namespace facetloc {
@@ -30,6 +33,14 @@ std::vector<fs::path> visibleFiles(const fs::path& folder) {
   return files;
 }
 
+/** Is it a page that was written for a browser (pages/)? */
+bool isPage(const fs::path& path) {
+  std::array<char, 1000> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+  return std::string_view(head.data(), head.size()).find(R"(name="generator" content="facetloc")") !=
+         std::string_view::npos;
+}
+
 [[noreturn]] void refuse(const fs::path& folder, const fs::path& file) {
   throw IoError(folder.string(),
                 fmt::format("holds other files already, such as {}; give --overwrite to write among them, or "
@@ -48,7 +59,8 @@ void addOverwrite(CommandLine& line, bool& overwrite) {
   line.addSwitch("overwrite", overwrite, "Write to a folder that already holds other files.");
 }
 
-void claimFolder(const fs::path& folder, const std::vector<std::string>& marks, bool overwrite) {
+void claimFolder(const fs::path& folder, const std::vector<std::string>& marks, bool overwrite,
+                 const Console* console) {
   createFolders(folder);
   if (overwrite) return;
   const std::vector<fs::path> files = visibleFiles(folder);
@@ -56,6 +68,7 @@ void claimFolder(const fs::path& folder, const std::vector<std::string>& marks, 
     return std::find(marks.begin(), marks.end(), file.filename().string()) != marks.end();
   });
   if (!files.empty() && !is_own) refuse(folder, files.front());
+  if (is_own && console) console->note("the files of an earlier run in " + folder.string() + " are replaced");
 }
 
 void claimPictureFolder(const fs::path& folder, bool overwrite) {
@@ -63,6 +76,18 @@ void claimPictureFolder(const fs::path& folder, bool overwrite) {
   if (overwrite) return;
   for (const fs::path& file : visibleFiles(folder))
     if (!isPicture(file)) refuse(folder, file);
+}
+
+bool isPicture(const fs::path& path) {
+  constexpr int kPictureBits = 8;
+  const auto size = pngSize(path);
+  return size && size->bits == kPictureBits;
+}
+
+void requireReplaceable(const fs::path& path) {
+  if (fs::exists(path) && !isPicture(path) && !isPage(path))
+    throw UsageError(fmt::format(
+        "the output would overwrite {}, which is neither a picture nor a page of facetloc", path.string()));
 }
 
 }  // namespace facetloc

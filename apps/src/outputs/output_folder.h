@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "cli/command_line.h"
+#include "cli/app.h"
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
 /** \file
- * Output folders, so that files of others are neither replaced nor mixed with results. */
+ * Output folders and files, so that those of others are neither replaced nor mixed with results, and own
+ * ones not without a word. */
 
 namespace facetloc {
 
@@ -21,10 +22,18 @@ void addOverwrite(CommandLine& line, bool& overwrite);
 /** \brief Creates an output folder, or takes one that is there. Hidden files and subfolders do not count.
  * Throws IoError, which names the folder and a file in it, if it holds files and none of the tool's own.
  * \param marks names of files, each of which shows that the tool has written to the folder before
- * \param overwrite take it in any case */
-void claimFolder(const std::filesystem::path& folder, const std::vector<std::string>& marks, bool overwrite);
+ * \param overwrite take it in any case
+ * \param console receives a remark that files of an earlier run are replaced; null if they stay */
+void claimFolder(const std::filesystem::path& folder, const std::vector<std::string>& marks, bool overwrite,
+                 const Console* console);
 
 /** \brief The same for a folder of pictures, which may hold other pictures only. */
 void claimPictureFolder(const std::filesystem::path& folder, bool overwrite);
+
+/** \brief Is a file a picture, as one that the tools draw may be? A PNG of 16 bits is a depth image or
+ * labels. */
+bool isPicture(const std::filesystem::path& path);
+/** \brief Throws UsageError if a file is there already, unless it is a picture, or a page of the tools. */
+void requireReplaceable(const std::filesystem::path& path);
 
 }  // namespace facetloc

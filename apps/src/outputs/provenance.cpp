@@ -6,7 +6,6 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
-#include <facetloc/io/png.h>
 
 #include <array>
 #include <cmath>
@@ -107,7 +106,7 @@ void Provenance::write(const fs::path& folder) const {
 void Provenance::requireNotReplaced(const fs::path& input, const fs::path& folder) {
   for (const char* file : {kParams, kImages}) {
     std::error_code ignored;
-    if (fs::equivalent(input, folder / file, ignored))
+    if (!folder.empty() && fs::equivalent(input, folder / file, ignored))
       throw UsageError(
           fmt::format("the results would replace {}; use another output folder", input.string()));
   }
@@ -132,17 +131,6 @@ void requireOtherFolder(const fs::path& results, const fs::path& images) {
   if (fs::equivalent(images.empty() ? fs::path(".") : images, results, ignored))
     throw UsageError(fmt::format("the results would come among the images in {}; use another output folder",
                                  results.string()));
-}
-
-bool isPicture(const fs::path& path) {
-  constexpr int kPictureBits = 8;
-  const auto size = pngSize(path);
-  return size && size->bits == kPictureBits;
-}
-
-void requireNoneButPicture(const fs::path& path) {
-  if (fs::exists(path) && !isPicture(path))
-    throw UsageError(fmt::format("the picture would overwrite {}, which is not a picture", path.string()));
 }
 
 void writeInputs(const fs::path& folder, const std::vector<FrameFile>& frames) {

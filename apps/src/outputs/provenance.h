@@ -56,12 +56,6 @@ struct Provenance {
 /** \brief Throws UsageError if a folder of results is the folder of the images. */
 void requireOtherFolder(const std::filesystem::path& results, const std::filesystem::path& images);
 
-/** \brief Is a file a picture, as one that the tools draw may be? A PNG of 16 bits is a depth image or
- * labels. */
-bool isPicture(const std::filesystem::path& path);
-/** \brief Throws UsageError if a file is there already, unless it is a picture. */
-void requireNoneButPicture(const std::filesystem::path& path);
-
 /** \brief Writes inputs.csv to a folder of results: the file, or the recording, that each frame is from.
  * Throws IoError. */
 void writeInputs(const std::filesystem::path& folder, const std::vector<FrameFile>& frames);

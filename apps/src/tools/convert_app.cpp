@@ -29,7 +29,7 @@ constexpr double kLargestValue = 65534;  // largest value of a PNG; 65535 is not
 class ConvertApp : public App {
 public:
   ConvertApp()
-      : App("facetloc_convert", "RECORDING -o FOLDER [options]",
+      : App("facetloc_convert", "RECORDING -o DIR [options]",
             "Converts a recording of any layout to a folder that every tool reads: depth/<stamp>.png, "
             "camera.ini, and, where available, groundtruth.txt, odometry.txt and gravity.txt. Images are "
             "named by their timestamps [s].") {}
@@ -37,7 +37,7 @@ public:
 private:
   void addOptions(CommandLine& line) override {
     line.addArgument("RECORDING", input_);
-    line.addOption("output,o", folder_, "FOLDER", "Output folder, new or empty.");
+    line.addOption("output,o", folder_, "DIR", "Output folder, new or empty.");
     line.addOption("every", every_, "N", "Convert every N-th image only.");
     line.addOption("scale", scale_, "N",
                    "PNG values per metre; 0 = as in the recording, or 5000 for clouds.");

@@ -3,7 +3,7 @@
 
 #include "base/text.h"
 #include "drawing/offscreen_display.h"
-#include "outputs/provenance.h"
+#include "outputs/output_folder.h"
 
 #include <facetloc/io/error.h>
 
@@ -50,7 +50,7 @@ int runProgram(const fs::path& program, const std::vector<std::string>& argument
 }  // namespace
 
 DrawnMap::DrawnMap(fs::path picture) : picture_(std::move(picture)) {
-  requireNoneButPicture(picture_);
+  requireReplaceable(picture_);
   if (!FACETLOC_WITH_VTK) throw IoError(picture_.string(), std::string("cannot be drawn: ") + kWithoutVtk);
   const auto renderer = findTool("facetloc_render");
   if (!renderer)

@@ -131,20 +131,28 @@ FrameResult failedFrame(const FrameFile& file, const std::string& reason) {
   return result;
 }
 
+/** The first poses of an image, or the reason without one. */
+void printImage(std::vector<ResultRow> rows, const Console& console) {
+  constexpr std::size_t kMostRows = 3;
+  rows.resize(std::min(rows.size(), kMostRows));
+  if (rows.front().rank == 0) return console.print(rows.front().reason + "\n");
+  printPoses(console.out, rows, "world");
+}
+
 bool hasFailed(const FrameResult& result) { return result.timing.models == 0; }
 
 /** facetloc_localize: finds depth images in a map, in batch. */
 class LocalizeApp : public App {
 public:
   LocalizeApp()
-      : App("facetloc_localize", "MAP.flmap [MAP.flmap ...] INPUT -o RESULTS [options]",
-            "Finds where depth images were taken in a map. INPUT is a recording: a folder, a list (.txt, "
-            ".lst) or one image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or "
-            "output of facetloc_segment, or a folder with a rig.ini, which makes several cameras one view. "
+      : App("facetloc_localize", "MAP.flmap... RECORDING -o RESULTS [options]",
+            "Finds where depth images were taken in a map. RECORDING is a folder, a list (.txt, .lst) or one "
+            "image of 16-bit PNGs or organized PCDs, an .oni, .mcap, .db3, .bag or .db file, or output of "
+            "facetloc_segment, or a folder with a rig.ini, which makes several cameras one view. "
             "RESULTS/hypotheses.csv lists the ranked poses of each image, "
-            "RESULTS/poses_tum.txt the sure ones. With several maps, as of floors, part names the map of a "
-            "pose. Images that cannot be localized are listed with the "
-            "reason. Under mpirun, its processes share the images.") {}
+            "RESULTS/poses_tum.txt the sure ones; those of one image are printed, and need no RESULTS. With "
+            "several maps, as of floors, part names the map of a pose. Images that cannot be localized are "
+            "listed with the reason. Under mpirun, its processes share the images.") {}
 
 private:
   using ImageBatch = SharedBatch<std::vector<std::size_t>, LocalizedImage>;
@@ -172,7 +180,7 @@ private:
   struct Run {
     std::vector<FrameResult> results;     // one per image
     std::vector<std::size_t> todo;        // images
-    std::optional<ResultsWriter> writer;  // nothing if all is done already
+    std::optional<ResultsWriter> writer;  // nothing if all is done already, or without a folder
     std::vector<ViewTraits> views{};      // one per image of this run
 
     /** Are the images that are still to be done the last ones? */
@@ -180,8 +188,8 @@ private:
   };
 
   void addOptions(CommandLine& line) override {
-    line.addArgument("MAP.flmap", maps_.emplace_back());
-    line.addArguments("INPUT", inputs_);
+    line.addArguments("MAP.flmap", maps_);
+    line.addArgument("RECORDING", recording_);
     line.addOption("output,o", folder_, "RESULTS", "Folder of the results.");
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of hypotheses per image.");
     addMinProbability(line, min_probability_);
@@ -243,7 +251,7 @@ private:
       run.results[i] = found->second;
       run.results[i].stamp = frames[i].stamp;
     }
-    if (run.todo.empty() && others == 0) return run;
+    if (folder_.empty() || (run.todo.empty() && others == 0)) return run;
     run.writer.emplace(folder_, task.params_ini, kept);
     provenance.write(folder_);
     return run;
@@ -298,7 +306,7 @@ private:
   void localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive, const Publish& publish,
                 const Console& console) const {
     const auto finish = [&](std::size_t frame) {
-      run.writer->append(run.results[frame]);
+      if (run.writer) run.writer->append(run.results[frame]);
       publish(frame, run.results[frame]);
     };
     std::vector<std::size_t> localized;
@@ -383,10 +391,12 @@ private:
       console.keep(hint);
       words += hint.text() + "\n";
     }
-    writeFindings(fs::path(folder_) / kFindingsFile, *console.findings);
-    console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread; results in {}\n", words,
-                              toString(states), is_sequence_ ? firstSure(run.results) : "",
-                              milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)), folder_));
+    if (!folder_.empty()) writeFindings(fs::path(folder_) / kFindingsFile, *console.findings);
+    if (run.results.size() == 1) printImage(run.results.front().rows, console);
+    console.print(fmt::format("{}{}{}; {:.1f} ms per image and thread{}\n", words, toString(states),
+                              is_sequence_ ? firstSure(run.results) : "",
+                              milliseconds / static_cast<double>(std::max<std::size_t>(timed, 1)),
+                              folder_.empty() ? "" : "; results in " + folder_));
   }
 
   /** The parameters that the results depend on. */
@@ -414,7 +424,6 @@ private:
   }
 
   void requireSense() const {
-    if (folder_.empty()) throw UsageError("the folder of the results is missing: -o RESULTS");
     if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
     if (starts_ < 0) throw UsageError("starts must not be negative");
     if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
@@ -434,14 +443,14 @@ private:
   /** \param out where answers are streamed to; null = nowhere */
   int localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
     requireSense();
-    maps_.insert(maps_.end(), inputs_.begin(), inputs_.end() - 1);
-    const std::string& input_path = inputs_.back();
-    Provenance::requireNotReplaced(input_path, folder_);
+    Provenance::requireNotReplaced(recording_, folder_);
     if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
     input_.recording.segments = true;
-    const std::optional<RigFile> rig = readRigFile(input_path);
+    const std::optional<RigFile> rig = readRigFile(recording_);
     DepthSequence sequence =
-        openSequence(rig ? rig->cameras.front().string() : input_path, input_.recording, console);
+        openSequence(rig ? rig->cameras.front().string() : recording_, input_.recording, console);
+    if (folder_.empty() && (resume_ || starts_ > 0 || sequence.frames().size() > 1))
+      throw UsageError("the folder of the results is missing: -o RESULTS");
     std::shared_ptr<const Map> map = openMaps(maps_, console);
     if (!line.given("min-probability")) min_probability_ = minProbabilityOf(*map);
     const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
@@ -468,12 +477,15 @@ private:
     });
     if (batch.helped()) return kOk;
 
-    for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
-    claimFolder(folder_, marksOfResults(), overwrite_);
-    const OutputLock lock = OutputLock::ofFolder(folder_);
+    std::optional<OutputLock> lock;
+    if (!folder_.empty()) {
+      for (const FrameFile& frame : task.frames()) requireOtherFolder(folder_, frame.path.parent_path());
+      claimFolder(folder_, marksOfResults(), overwrite_, resume_ ? nullptr : &console);
+      lock.emplace(OutputLock::ofFolder(folder_));
+    }
     task.params_ini = paramsIni(task.sequence.camera(), camera, *map) + (rig ? rigLine(*rig) : "");
     Run run = begin(task);
-    writeInputs(folder_, task.sequence.frames());
+    if (lock) writeInputs(folder_, task.sequence.frames());
     std::optional<PoseStream> stream;
     if (out) stream.emplace(*out, camera.mounting);
     const Publish publish = [&stream](std::size_t frame, const FrameResult& result) {
@@ -486,14 +498,14 @@ private:
     const int code = batch.report();
     if (!run.inOrder()) run.writer.emplace(folder_, task.params_ini, task.resultFrames());
     printSummary(run, *map, console);
-    fs::remove(fs::path(folder_) / "starts.csv");  // left by an earlier run
+    if (lock) fs::remove(fs::path(folder_) / "starts.csv");  // left by an earlier run
     return starts_ == 0 ? code : std::max(code, localizeFromStarts(task, console));
   }
 
   bool dealsOut() const override { return !is_sequence_ && !streams_; }
 
-  std::vector<std::string> maps_, inputs_;
-  std::string folder_, map_covers_, near_, odometry_;
+  std::vector<std::string> maps_;
+  std::string recording_, folder_, map_covers_, near_, odometry_;
   int max_hypotheses_ = 100;
   double min_probability_ = kMinProbability;
   bool overwrite_ = false, resume_ = false, streams_ = false, is_sequence_ = false, smooth_ = false;

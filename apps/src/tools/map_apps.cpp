@@ -5,6 +5,7 @@
 #include "cli/tools.h"
 #include "inputs/depth_input.h"
 #include "outputs/map_completion.h"
+#include "outputs/output_folder.h"
 #include "outputs/provenance.h"
 
 #include <facetloc/features/map_metadata.h>
@@ -353,6 +354,7 @@ private:
   void addOptions(CommandLine& line) override {
     line.addArgument("MAP.flmap", map_);
     line.addOption("output,o", folder_, "DIR", "Folder of the exported files.");
+    addOverwrite(line, overwrite_);
     line.addOption("g2o", graph_, "FILE", "Write local models and links in g2o's format.");
     line.addOption("ply", polygons_, "FILE",
                    "Write the outlines of all segments, coloured by direction. Coordinates are in the world, "
@@ -382,6 +384,7 @@ private:
     if (folder_.empty() && graph_.empty() && polygons_.empty() && grid_.empty())
       throw UsageError("there is nothing to export: give -o DIR, --g2o FILE, --ply FILE or --grid NAME");
     const Map map = openMap(map_);
+    if (!folder_.empty()) claimFolder(folder_, {"graph.g2o"}, overwrite_, &console);
     if (!graph_.empty()) writeGraph(graph_, map);
     if (!polygons_.empty()) writePolygons(polygons_, polygonsOf(map, map_));
     if (!grid_.empty()) writeGrid(map, console);
@@ -394,6 +397,7 @@ private:
   }
 
   std::string map_, folder_, graph_, polygons_, grid_;
+  bool overwrite_ = false;
   MapGridParams grid_params_;
 };
 
@@ -438,7 +442,7 @@ private:
 class MapMergeApp : public App {
 public:
   MapMergeApp()
-      : App("facetloc_map merge", "A.flmap B.flmap ... -o OUT.flmap",
+      : App("facetloc_map merge", "MAP.flmap... -o OUT.flmap",
             "Merges the local models and links of several maps. Each map is aligned with the earlier ones by "
             "localizing its views in them; maps in the same world frame stay where they are. With "
             "--same-coordinates, as for the floors of a house, nothing is aligned. Names that occur more "
@@ -446,7 +450,7 @@ public:
 
 private:
   void addOptions(CommandLine& line) override {
-    line.addArguments("MAPS", maps_);
+    line.addArguments("MAP.flmap", maps_);
     line.addOption("output,o", output_, "OUT.flmap", "The map to write.");
     line.addSwitch("same-coordinates", same_coordinates_,
                    "Keep all poses: the maps share a world frame, even without a common place.");
@@ -512,58 +516,33 @@ private:
   bool same_coordinates_ = false, overwrite_ = false;
 };
 
-struct MapCommand {
-  const char *name, *arguments, *what;
-  MakeApp* make;
-};
-constexpr MapCommand kMapCommands[] = {
-    {"build", "SEQUENCE -o MAP.flmap", "build a map from a recording", mapBuildApp},
-    {"from-model", "MODEL -o MAP.flmap", "build a map from a scan, mesh or plan of a building", mapModelApp},
-    {"extend", "MAP.flmap SEQUENCE", "update a map with a later recording", mapExtendApp},
-    {"changes", "MAP.flmap SEQUENCE", "list surfaces that are gone or new in a later recording",
-     mapChangesApp},
-    {"densify", "MAP.flmap", "add rendered views beside the drive", mapDensifyApp},
-    {"calibrate", "MAP.flmap RECORDING", "find the minimum probability of sure answers", mapCalibrateApp},
-    {"info", "MAP.flmap", "print the content of a map", mapInfoApp},
-    {"check", "MAP.flmap", "check every value in a map file", mapCheckApp},
-    {"export", "MAP.flmap -o DIR", "write PCD, TUM and g2o files", mapExportApp},
-    {"import", "MAP.flmap -o OUT.flmap", "read new poses from a g2o file", mapImportApp},
-    {"merge", "MAPS -o OUT.flmap", "merge several maps into one", mapMergeApp}};
-
-std::string mapUsage() {
-  std::string names, commands;
-  for (const MapCommand& c : kMapCommands) {
-    names += (names.empty() ? "" : "|") + std::string(c.name);
-    commands += fmt::format("  {:29} {}\n", fmt::format("{} {}", c.name, c.arguments), c.what);
-  }
-  return fmt::format(
-      "Usage: facetloc_map {} ...\n\n{}\n'facetloc_map build --help' and so on show the options.\n", names,
-      commands);
+Command commandOf(const char* name, const char* arguments, const char* what, MakeApp* make) {
+  return {name, arguments, what, [make](const std::vector<std::string>& given, const Console& console) {
+            return make()->run(given, console);
+          }};
 }
 
 }  // namespace
 
-int runMapTool(const std::vector<std::string>& arguments, Console console) {
-  const std::string command = arguments.empty() ? "" : arguments.front();
-  for (const MapCommand& c : kMapCommands)
-    if (command == c.name) return c.make()->run({arguments.begin() + 1, arguments.end()}, console);
-
-  console.tool = "facetloc_map";
-  const auto isOption = [&](const std::string& name) {
-    return command == "-" + name || command == "--" + name;
-  };
-  if (isOption("version")) {
-    console.print(versionText() + "\n");
-  } else if (isOption("help") || isOption("h")) {
-    console.print(mapUsage());
-  } else {
-    console.error((command.empty() ? "no command\n" : fmt::format("unknown command '{}'\n", command)) +
-                  mapUsage());
-    return kUsage;
-  }
-  if (console.out) return kOk;
-  console.error("the output cannot be written");
-  return kFailed;
+const CommandProgram& mapProgram() {
+  static const CommandProgram program{
+      "facetloc_map",
+      "Maps of planar surface segments.",
+      {commandOf("build", "RECORDING -o MAP.flmap", "build a map from a recording", mapBuildApp),
+       commandOf("from-model", "MODEL -o MAP.flmap", "build a map from a scan, mesh or plan of a building",
+                 mapModelApp),
+       commandOf("extend", "MAP.flmap RECORDING", "update a map with a later recording", mapExtendApp),
+       commandOf("changes", "MAP.flmap RECORDING", "list surfaces that are gone or new in a later recording",
+                 mapChangesApp),
+       commandOf("densify", "MAP.flmap", "add rendered views beside the drive", mapDensifyApp),
+       commandOf("calibrate", "MAP.flmap [RECORDING]", "find the minimum probability of sure answers",
+                 mapCalibrateApp),
+       commandOf("info", "MAP.flmap", "print the content of a map", mapInfoApp),
+       commandOf("check", "MAP.flmap", "check every value in a map file", mapCheckApp),
+       commandOf("export", "MAP.flmap -o DIR", "write PCD, TUM and g2o files", mapExportApp),
+       commandOf("import", "MAP.flmap -o OUT.flmap", "read new poses from a g2o file", mapImportApp),
+       commandOf("merge", "MAP.flmap... -o OUT.flmap", "merge several maps into one", mapMergeApp)}};
+  return program;
 }
 
 std::unique_ptr<App> mapInfoApp() { return std::make_unique<MapInfoApp>(); }

@@ -36,7 +36,7 @@ void removeWithoutModels(const fs::path& path) try {
 class MapBuildApp : public App {
 public:
   MapBuildApp()
-      : App("facetloc_map build", "SEQUENCE -o MAP.flmap [options]",
+      : App("facetloc_map build", "RECORDING -o MAP.flmap [options]",
             "Builds a map from a recording: local models, the planar segments of chosen images, and links "
             "between them. Poses come from the recording, from --poses, or from the images.") {}
 
@@ -51,12 +51,12 @@ private:
   };
 
   void addOptions(CommandLine& line) override {
-    line.addArgument("SEQUENCE", sequence_);
+    line.addArgument("RECORDING", sequence_);
     line.addOption("output,o", map_, "MAP.flmap", "The map to write.");
     line.addOption("poses", poses_, "FILE",
                    "Camera poses: stamp tx ty tz qx qy qz qw, or another format of RECORDINGS.md.");
     line.addSwitch("without-poses", without_poses_,
-                   "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
+                   "Estimate the trajectory from the images, even if the RECORDING has poses.");
     line.addOption("trajectory", trajectory_, "OUT.txt",
                    "Write the pose of each image used, in the TUM format.");
     addPoseTolerance(line, pose_tolerance_);

@@ -62,7 +62,8 @@ private:
   };
 
   void addOptions(CommandLine& line) override {
-    line.addArguments("MAP.flmap [RECORDING]", inputs_);
+    line.addArgument("MAP.flmap", map_);
+    line.addArgument("RECORDING", recording_, false);
     line.addOption("alpha", alpha_, "A", "Maximum share of wrong answers among the sure ones.");
     line.addOption("confidence", confidence_, "C", "Confidence that this share is not exceeded.");
     line.addOption("max-translation", is_right_.max_translation, "M",
@@ -89,9 +90,9 @@ private:
   std::vector<Asked> askedOf(const DepthSequence& sequence, const Map& map, const Console& console) const {
     const Trajectory poses = givenPoses(sequence, poses_, console);
     if (poses.empty())
-      throw IoError(inputs_[1], "has no poses to distinguish right answers from wrong ones; give --poses");
+      throw IoError(recording_, "has no poses to distinguish right answers from wrong ones; give --poses");
     if (!sequence.stamped())
-      throw IoError(inputs_[1], "its image names are no time stamps: poses cannot be matched");
+      throw IoError(recording_, "its image names are no time stamps: poses cannot be matched");
     std::set<std::pair<std::string, double>> in_map;
     for (const LocalModel& model : map.models) in_map.emplace(model.name, model.stamp);
     std::size_t left_out = 0;
@@ -114,7 +115,7 @@ private:
                       "much like them for an honest bound; calibrate by a later drive",
                       left_out));
     if (posed.empty())
-      throw IoError(inputs_[1], fmt::format("none of its {}images has a pose within {:f} s",
+      throw IoError(recording_, fmt::format("none of its {}images has a pose within {:f} s",
                                             left_out > 0 ? "other " : "", pose_tolerance_));
     for (const std::size_t i : independentImages(T_w_c)) asked.push_back(posed[i]);
     if (asked.size() < posed.size())
@@ -126,7 +127,7 @@ private:
   /** \return the exit code. */
   int ask(const std::shared_ptr<const Map>& map, const CommandLine& line, SureCalibration& calibration,
           const Console& console) {
-    if (inputs_.size() == 1) {
+    if (recording_.empty()) {
       MapWatch watch(console);
       addOwnViews(map, calibration, is_right_, localization_, threads(), watch.callback());
       return kOk;
@@ -135,11 +136,11 @@ private:
       return model.T_w_m && (map->parts.empty() || map->parts[model.part].empty());
     });
     if (!has_world)
-      throw IoError(inputs_[0],
+      throw IoError(map_,
                     "has no poses in a world, with which those of a recording could be compared; without a "
                     "recording it is calibrated by its own images");
     input_.recording.segments = true;
-    const DepthSequence sequence = openSequence(inputs_[1], input_.recording, console);
+    const DepthSequence sequence = openSequence(recording_, input_.recording, console);
     const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
     noteDifference(camera, *map, console);
     const std::vector<Asked> asked = askedOf(sequence, *map, console);
@@ -164,7 +165,7 @@ private:
 
   /** Throws with the missing data named. */
   [[noreturn]] void refuse(const SureCalibration& calibration) const {
-    const std::string images = inputs_.size() > 1 ? inputs_[1] : inputs_[0];
+    const std::string images = recording_.empty() ? map_ : recording_;
     const std::vector<SureCalibration::Candidate> all = calibration.candidates();
     const auto usual = std::find_if(all.begin(), all.end(),
                                     [](const auto& c) { return c.min_probability <= kMinProbability; });
@@ -177,7 +178,7 @@ private:
     if (usual->sure == 0)
       throw IoError(images, fmt::format("{}: none of its {} is sure; it takes at least {} that are", what,
                                         counted(calibration.images(), "image"), calibration.leastSure()));
-    const bool elsewhere = inputs_.size() > 1 && 2 * usual->wrong > usual->sure;
+    const bool elsewhere = !recording_.empty() && 2 * usual->wrong > usual->sure;
     throw IoError(images,
                   fmt::format("{}: {} of {} sure answers are wrong{}; {}", what, usual->wrong, usual->sure,
                               fmt::format(" at p >= {}", text::shortest(usual->min_probability)),
@@ -186,28 +187,25 @@ private:
   }
 
   int execute(const CommandLine& line, const Console& console) override {
-    if (inputs_.size() > 2) throw UsageError("one MAP.flmap and at most one RECORDING");
-    if (inputs_.size() < 2 && !poses_.empty()) throw UsageError("poses belong to a RECORDING");
+    if (recording_.empty() && !poses_.empty()) throw UsageError("poses belong to a RECORDING");
     if (localization_.score.by_overlap)
       throw UsageError("score.by_overlap, which --preset paper sets, has no probabilities to calibrate");
-    const std::string& path = inputs_[0];
-    if (!fs::is_regular_file(path)) throw IoError(path, "is not there");
-    const OutputLock lock = OutputLock::ofFile(path);
-    const auto map = std::make_shared<const Map>(noteUnfinished(openMap(path), path, console));
-    if (map->models.empty()) throw IoError(path, "has no local models");
+    if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
+    const OutputLock lock = OutputLock::ofFile(map_);
+    const auto map = std::make_shared<const Map>(noteUnfinished(openMap(map_), map_, console));
+    if (map->models.empty()) throw IoError(map_, "has no local models");
     SureCalibration calibration(alpha_, confidence_);
     const int code = ask(map, line, calibration, console);
     printCandidates(console.out, calibration);
     const auto threshold = calibration.threshold(
-        inputs_.size() > 1 ? fs::path(inputs_[1]).lexically_normal().string() : "the map itself");
+        recording_.empty() ? "the map itself" : fs::path(recording_).lexically_normal().string());
     if (!threshold) refuse(calibration);
-    MapDatabase::open(path).setMeta(kSureKey, toText(*threshold));
+    MapDatabase::open(map_).setMeta(kSureKey, toText(*threshold));
     console.out << fmt::format("sure from {}\n", threshold->toString());
     return code;
   }
 
-  std::vector<std::string> inputs_;  // map, and the recording if one is given
-  std::string poses_;
+  std::string map_, recording_, poses_;
   double pose_tolerance_ = 0.02, alpha_ = 0.01, confidence_ = 0.95;
   RightPose is_right_;
   DepthInput input_;

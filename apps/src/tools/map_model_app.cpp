@@ -71,7 +71,7 @@ private:
     line.addOption("inside", inside_, "X,Y,Z",
                    "A place in the area to fill [m]; all but the one around all others unless given.");
     line.addOption("wall-height", floor_plan_.wall_height, "M",
-                   "Height of the walls of an occupancy grid [m].");
+                   "Height of the walls of an occupancy grid [m], which does not state it.");
     line.addSwitch("ceiling", floor_plan_.ceiling,
                    "Add a ceiling to an occupancy grid, as high as its walls.");
     line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints, by facetloc_render.");
@@ -109,8 +109,6 @@ private:
         throw UsageError("wall-height and ceiling are for the map.yaml of an occupancy grid");
       return;
     }
-    if (!line.given("wall-height"))
-      throw UsageError("an occupancy grid says nothing of the height of its walls: --wall-height M");
     if (line.given("units") || line.given("up"))
       throw UsageError("an occupancy grid is in metres, with z up: units and up are for other models");
     checkRanges(floor_plan_);

@@ -98,12 +98,12 @@ protected:
 
   void addSessionOptions(CommandLine& line) {
     line.addArgument("MAP.flmap", map_);
-    line.addArgument("SEQUENCE", sequence_);
+    line.addArgument("RECORDING", sequence_);
     line.addOption("poses", poses_, "FILE",
                    "Camera poses: stamp tx ty tz qx qy qz qw, or another format of RECORDINGS.md.");
     addPoseTolerance(line, pose_tolerance_);
     line.addSwitch("without-poses", without_poses_,
-                   "Estimate the trajectory from the images, even if the SEQUENCE has poses.");
+                   "Estimate the trajectory from the images, even if the RECORDING has poses.");
     line.addCheck([this] {
       if (without_poses_ && !poses_.empty()) throw UsageError("poses and without-poses exclude each other");
     });
@@ -186,7 +186,7 @@ class MapChangesApp : public MapSessionApp {
 public:
   MapChangesApp()
       : MapSessionApp(
-            "facetloc_map changes", "MAP.flmap SEQUENCE [--csv OUT.csv] [--page OUT.html] [options]",
+            "facetloc_map changes", "MAP.flmap RECORDING [--csv OUT.csv] [--page OUT.html] [options]",
             "Lists the surfaces of a map that a later session looks through, and the new ones where "
             "the map looks through, with their areas and probabilities. The map is not changed.") {}
 
@@ -225,10 +225,10 @@ class MapExtendApp : public MapSessionApp {
 public:
   MapExtendApp()
       : MapSessionApp(
-            "facetloc_map extend", "MAP.flmap SEQUENCE [-o NEW.flmap] [options]",
+            "facetloc_map extend", "MAP.flmap RECORDING [-o NEW.flmap] [options]",
             "Updates a map with a later session. Finds the session in the map, removes surfaces that its "
             "images look through, replaces local models that have lost much, and adds new places. The "
-            "trajectory comes from the SEQUENCE's poses or from --poses, in any coordinates, or else from "
+            "trajectory comes from the RECORDING's poses or from --poses, in any coordinates, or else from "
             "the images. If the session is not found in the map, the map is not changed.") {}
 
 private:

@@ -6,6 +6,7 @@
 #include "inputs/depth_input.h"
 #include "inputs/localization_options.h"
 #include "outputs/localization_report.h"
+#include "outputs/output_folder.h"
 
 #include <facetloc/features/answer_state.h>
 #include <facetloc/io/cloud_file.h>
@@ -38,26 +39,6 @@ Map targetMap(const FrameFile& frame, const View& view) {
   return map;
 }
 
-std::string vectorText(const Eigen::Vector3d& v, int decimals) {
-  // Adding zero makes -0 positive.
-  return fmt::format("{0:.{3}f} {1:.{3}f} {2:.{3}f}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0, decimals);
-}
-
-/** The ranked poses as a table for people. */
-void printPoses(std::ostream& out, const std::vector<ResultRow>& rows) {
-  TextTable table({"rank", "probability", "score", "translation [m]", "rotation vector [deg]", "angle [deg]",
-                   "std [m]", "std [deg]", "remarks"});
-  table.setWordsLast();
-  for (const ResultRow& row : rows) {
-    const Eigen::Vector3d rotation = logSO3(row.T_m_c.linear()) / kDegree;
-    table.add({std::to_string(row.rank), text::decimals(row.probability, 4), text::decimals(row.score, 1),
-               vectorText(row.T_m_c.translation(), 3), vectorText(rotation, 2),
-               text::decimals(rotation.norm(), 2), text::decimals(row.sd_trans_m, 3),
-               text::decimals(row.sd_rot_deg, 2), row.reason});
-  }
-  out << table;
-}
-
 /** facetloc_register: the pose of one depth image relative to another. */
 class RegisterApp : public App {
 public:
@@ -76,6 +57,7 @@ private:
     line.addArgument("TARGET", target_);
     line.addOption("output,o", folder_, "DIR",
                    "Also write a results folder: hypotheses.csv, poses_tum.txt, ...");
+    addOverwrite(line, overwrite_);
     line.addOption("aligned", aligned_, "FILE.pcd",
                    "Also write the points or segments of the SOURCE in the TARGET camera's axes.");
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of poses.");
@@ -110,6 +92,7 @@ private:
     for (const std::string& input : {source_, target_})
       if (std::error_code ignored; fs::equivalent(input, aligned_, ignored))
         throw UsageError("--aligned would replace " + input);
+    if (!folder_.empty()) claimFolder(folder_, marksOfResults(), overwrite_, &console);
     input_.recording.segments = true;
     const DepthSequence source = openImage(source_, input_.recording, console),
                         target = openImage(target_, input_.recording, console);
@@ -133,7 +116,7 @@ private:
     result.timing = {frame.name, builder.segmentMilliseconds(), builder.featuresMilliseconds(), milliseconds,
                      1};
     const bool has_pose = !answer.hypotheses.empty();
-    if (has_pose) printPoses(console.out, result.rows);
+    if (has_pose) printPoses(console.out, result.rows, "target");
     console.out << toString(answer.state);
     if (answer.state == AnswerState::unknown)
       console.out << ": " << (has_pose ? "the views more likely show different places" : answer.reason);
@@ -159,6 +142,7 @@ private:
   std::string source_, target_, folder_, aligned_;
   double min_probability_ = kMinProbability;
   int max_hypotheses_ = 10;
+  bool overwrite_ = false;
   DepthInput input_;
   GlobalLocalizationParams localization_;
 };

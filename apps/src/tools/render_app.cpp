@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "batch/batch.h"
 #include "batch/map_watch.h"
+#include "cli/given_inputs.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "drawing/map_page.h"
@@ -30,8 +31,6 @@ namespace facetloc {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool isMap(const fs::path& path) { return text::lowerExtension(path) == ".flmap"; }
 
 std::optional<std::size_t> find(const DepthSequence& sequence, const std::string& name) {
   const auto& frames = sequence.frames();
@@ -140,7 +139,7 @@ private:
     line.addOption("output,o", output_, "OUT", "An HTML page, a PNG file, or a folder of PNG files.");
     addOverwrite(line, overwrite_);
     line.addOption("map", map_, "MAP.flmap", "The map to localize the images in, or the map of the results.");
-    line.addOption("frame", frame_, "NAME", "Draw only this image of a sequence.");
+    line.addOption("frame", frame_, "NAME", "Draw only this image of a recording.");
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of answers drawn per image.");
     line.addOption("trajectory", trajectory_, "FILE",
                    "Draw this trajectory into a map: a TUM file, or a recording with poses.");
@@ -149,7 +148,7 @@ private:
     line.addSwitch("self", self_,
                    "Localize a map's own images without themselves, and colour the local models of its page "
                    "by the answers.");
-    line.addOption("sequence", sequence_, "DIR",
+    line.addOption("sequence", sequence_, "RECORDING",
                    "The recording of the results: its images, and its true poses.");
     line.addOption("most", most_, "N", "Maximum number of failures drawn, the most confident first.");
     addRecordingOptions(line, depth_.recording);
@@ -170,7 +169,7 @@ private:
     if (!map_.empty())
       throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
     requirePng(output_);
-    requireNoneButPicture(output_);
+    requireReplaceable(output_);
     const Map map = readMap(input_);
     drawFloorMap(output_, map, drawnRuns(), marksIn(marks_));
     console.out << counted(map.models.size(), "local model") << "; picture in " << output_ << "\n";
@@ -197,7 +196,7 @@ private:
     };
     for (const std::size_t i : chosen) {
       if (to_folder) requireOtherFolder(output_, sequence.frames()[i].path.parent_path());
-      requireNoneButPicture(pathOf(i));
+      requireReplaceable(pathOf(i));
     }
     if (to_folder) claimPictureFolder(output_, overwrite_);
 
@@ -235,7 +234,7 @@ private:
     constexpr std::size_t kMostImages = 12;
     if (map_.empty()) throw UsageError("the picture of results needs --map");
     requirePng(output_);
-    requireNoneButPicture(output_);
+    requireReplaceable(output_);
     const std::vector<DrawnBelief> beliefs = beliefsOf(input_);
     if (beliefs.empty()) throw IoError(input_, "has no results");
     std::vector<DrawnBelief> drawn;
@@ -269,8 +268,8 @@ private:
     for (const FrameFile& frame : sequence.frames()) requireOtherFolder(output_, frame.path.parent_path());
     const auto pathOf = [&](const std::string& name) { return fs::path(output_) / (name + ".png"); };
     const fs::path sheet_path = pathOf("failures");
-    requireNoneButPicture(sheet_path);
-    for (std::size_t i = 0; i < drawn; ++i) requireNoneButPicture(pathOf(failures[i].frame));
+    requireReplaceable(sheet_path);
+    for (std::size_t i = 0; i < drawn; ++i) requireReplaceable(pathOf(failures[i].frame));
     claimPictureFolder(output_, overwrite_);
     fs::remove(sheet_path);  // left by an earlier run; there may be no failure now
 
@@ -352,6 +351,7 @@ private:
     if (most_ < 1) throw UsageError("most must be positive");
     if (!fs::exists(input_)) throw IoError(input_, "does not exist");
     const bool is_page = text::lowerExtension(output_) == ".html";
+    if (is_page && !overwrite_) requireReplaceable(output_);
     if (self_ && !(is_page && isMap(input_))) throw UsageError("--self goes with the page of a map");
     if (is_page) {
       if (isMap(input_)) return renderMapPage(console);

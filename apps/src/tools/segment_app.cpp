@@ -80,8 +80,8 @@ std::vector<std::string> stemsOf(const DepthSequence& sequence) {
 class SegmentApp : public App {
 public:
   SegmentApp()
-      : App("facetloc_segment", "INPUT... -o DIR [options]",
-            "Segments depth images into planar surfaces. INPUT is a recording: a folder, a list (.txt, .lst) "
+      : App("facetloc_segment", "RECORDING... -o DIR [options]",
+            "Segments depth images into planar surfaces. A RECORDING is a folder, a list (.txt, .lst) "
             "or one image of 16-bit PNGs or organized PCDs, or an .oni, .mcap, .db3, .bag or .db file. For "
             "each image, DIR/<name>.segments.pcd holds its segments. Under mpirun, its processes share the "
             "images.") {}
@@ -151,7 +151,7 @@ private:
   }
 
   void addOptions(CommandLine& line) override {
-    line.addArguments("INPUT", inputs_);
+    line.addArguments("RECORDING", inputs_);
     line.addOption("output,o", folder_, "DIR", "Folder of the results.");
     line.addSwitch("labels", labels_,
                    "Also write <name>.png: 16 bit, 0 = no segment, k = k-th segment of the PCD.");
@@ -313,7 +313,7 @@ private:
       requireOtherFolder(folder_, of_images);
       requireOtherFolder(folder_, of_images / ".." / "labels");  // the true ones of a simulated sequence
     }
-    claimFolder(folder_, {"params.ini", "images.txt"}, overwrite_);
+    claimFolder(folder_, {"params.ini", "images.txt"}, overwrite_, resume_ ? nullptr : &console);
     const OutputLock lock = OutputLock::ofFolder(folder_);
     const Images todo = prepare(all, provenance(all, line));
     writeInputs(folder_, frames);

@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kReport = "report.html";
+
 std::string lastLine(std::string text) {
   text.erase(text.find_last_not_of('\n') + 1);
   return text.substr(text.rfind('\n') + 1);
@@ -57,7 +59,7 @@ std::string reportOf(const std::string& recording) {
 
 /** Throws UsageError if a report would come among the files of a recording. */
 void requireOutside(const fs::path& report, const std::string& recording) {
-  const bool is_new = !fs::exists(report) || fs::is_empty(report) || fs::exists(report / "report.html");
+  const bool is_new = !fs::exists(report) || fs::is_empty(report) || fs::exists(report / kReport);
   const bool is_recording = fs::exists(report) && fs::equivalent(report, folderOf(recording));
   if (fs::is_directory(recording) && (is_recording || (!is_new && isWithin(report, folderOf(recording)))))
     throw UsageError(fmt::format(
@@ -82,8 +84,8 @@ public:
             "Goes from a recording to a report in one command. Checks how both are read, builds a map of the "
             "RECORDING, and localizes the images of a LATER recording of the same place in that map. Without "
             "LATER, it localizes the RECORDING itself, which is easier. Evaluates the answers by the LATER "
-            "recording's poses, if available. DIR/report.html shows the result, beside the map, the results "
-            "and the output of each tool.") {}
+            "recording's poses, if available. DIR has report.html, the answers in map.html and map.flmap; "
+            "the results, the tables and the output of each tool are in DIR/details.") {}
 
 private:
   /** One of the tools, and its arguments. */
@@ -128,17 +130,17 @@ private:
     };
     std::vector<std::string> build = withReading({"--overwrite", "-o", in("map.flmap"), recording_});
     if (without_poses_) build.emplace_back("--without-poses");
-    std::vector<std::string> localize = withReading({in("map.flmap"), of_query, "-o", in("results")});
+    std::vector<std::string> localize =
+        withReading({"--overwrite", in("map.flmap"), of_query, "-o", in("results")});
     const DepthSequence map_run = openSequence(recording_, hints, console);
     const DepthSequence query = openSequence(of_query, hints, console);
-    if (overwrite_) localize.emplace_back("--overwrite");
     if (query.stamped()) localize.emplace_back("--sequence");
     std::vector<Stage> all = {
         {"check", "how the recording is read", checkApp, withReading({recording_}), recording_}};
     if (!later_.empty())
       all.push_back({"check_later", "how the later one is read", checkApp, withReading({later_}), later_});
     std::vector<std::string> evaluate = {in("results"), "--map", in("map.flmap"),
-                                         "--overwrite", "-o",    folder_};
+                                         "--overwrite", "-o",    details().string()};
     for (const Stage& check : all) evaluate.insert(evaluate.end(), {"--known", in(check.findingsFile())});
     const bool own_frame = without_poses_ || map_run.groundTruth().empty();
     if (!query.groundTruth().empty()) {
@@ -197,21 +199,25 @@ private:
     for (const std::string& recording : {recording_, later_})
       if (!recording.empty()) requireOutside(folder_, recording);
     const std::vector<Stage> all = stages(line, console);
-    claimFolder(folder_, {"check.txt", "check.json", "report.html"}, overwrite_);
+    claimFolder(folder_, {kReport}, overwrite_, &console);
+    createFolders(details());
     if (later_.empty())
       console.note(
           "no LATER recording: the images of the map itself are localized, which says little of another day");
     std::string printed;
     for (std::size_t i = 0; i < all.size(); ++i) printed = runStage(all[i], i + 1, all.size(), console);
     console.print(verdictIn(printed));
-    const std::string report = in("report.html");
+    for (const char* file : {"map.flmap", "map.html", kReport})
+      if (fs::exists(in(file))) fs::rename(in(file), fs::path(folder_) / file);
+    const std::string report = (fs::path(folder_) / kReport).string();
     if (open_) openInBrowser(report, console);
     console.print("report in " + report + "\n");
     return kOk;
   }
 
   bool showsWork() const override { return true; }  // stage by stage
-  std::string in(const std::string& name) const { return (std::filesystem::path(folder_) / name).string(); }
+  fs::path details() const { return fs::path(folder_) / "details"; }
+  std::string in(const std::string& name) const { return (details() / name).string(); }
 
   std::string recording_, later_, folder_, camera_, depth_scale_, poses_are_;
   bool overwrite_ = false, without_poses_ = false, open_ = false;

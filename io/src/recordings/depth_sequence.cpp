@@ -126,7 +126,7 @@ private:
       layout_ = layoutOf(*(container_ = openContainer(path_, hints_.topic)), beside_);
     else
       throw IoError(path_.string(),
-                    fmt::format("is no sequence: expected a folder, a depth image ({}), a recording "
+                    fmt::format("is no recording: expected a folder, a depth image ({}), a recording "
                                 "in one file ({}), or a list in a .txt, .lst or .csv file{}{}",
                                 imageEndings(), containerEndings(), adviceOnFile(path_).empty() ? "" : "; ",
                                 adviceOnFile(path_)));
