@@ -429,7 +429,7 @@ private:
     if (starts_ > 0 && !is_sequence_) throw UsageError("--starts goes with --sequence");
     if (smooth_ && !is_sequence_) throw UsageError("--smooth goes with --sequence");
     if (!near_.empty() && !is_sequence_) throw UsageError("--near goes with --sequence");
-    if (!odometry_.empty() && !is_sequence_ && !readRigFile(inputs_.back()))
+    if (!odometry_.empty() && !is_sequence_ && !readRigFile(recording_))
       throw UsageError("--odometry goes with --sequence, or with several cameras (rig.ini)");
     startPose(near_, {});
     if (is_sequence_ && resume_)
