@@ -49,7 +49,7 @@ MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every,
       query_{DepthSequence::open(folder / query), {}, {}} {
   MapBuilder rule;
   const Trajectory poses =
-      map_poses.empty() ? truth_.of("map").poses() : readTumTrajectory(folder / "map" / map_poses);
+      map_poses.empty() ? truth_.of("map").poses() : readTrajectory(folder / "map" / map_poses);
   for (std::size_t i = 0; i < mapping_.sequence.frames().size(); ++i) {
     const FrameFile& frame = mapping_.sequence.frames()[i];
     const auto pose = poses.at(frame.stamp, kPoseTolerance);

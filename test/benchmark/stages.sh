@@ -260,15 +260,6 @@ stage_trajectories() {
   bench score_mapping "${runs[@]}"
 }
 
-# Sound and wrong readings of recordings, by the findings that name them.
-stage_readings() {
-  local runs=() run
-  for run in "$data/redkitchen/map" "$data"/recordings/*/map; do [ ! -d "$run/depth" ] || runs+=("$run"); done
-  [ ${#runs[@]} -gt 0 ] || return 0
-  [ "$every" -eq 1 ] || runs=("${runs[0]}")
-  bench score_readings --images 10 --images 30 --images 100 --csv readings.csv "${runs[@]}"
-}
-
 stage_gaps() {
   local seed
   floors 1 2
