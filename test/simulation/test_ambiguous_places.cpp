@@ -6,10 +6,12 @@
 #include <facetloc/simulation/simulated_drive.h>
 #include <facetloc/simulation/simulated_place.h>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace facetloc {
 namespace {
@@ -122,7 +124,7 @@ TEST_P(AmbiguousPlaces, TheRobotKeepsClearOfTheBox) {
 }
 
 TEST_P(AmbiguousPlaces, DifferFromSeedToSeed) {
-  for (const char* name : {"boards", "doors", "passage", "box"}) {
+  for (const char* name : {"corridor", "boards", "doors", "passage", "box"}) {
     const SimulatedPlace one = place(name), same = place(name);
     const SimulatedPlace other = simulatedPlace(name, static_cast<std::uint64_t>(GetParam()) + 1);
     const auto centres = [](const SimulatedPlace& p) {
@@ -137,6 +139,102 @@ TEST_P(AmbiguousPlaces, DifferFromSeedToSeed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AmbiguousPlaces, testing::Range(1, 5));
+
+constexpr double kLength = 40;   // [m]
+constexpr double kMaxDepth = 8;  // range of the camera [m]
+constexpr std::size_t kMany = 1000;
+
+DriveParams mappingDrive() {
+  DriveParams params;
+  params.step = 0.25;
+  return params;
+}
+
+class BareCorridor : public testing::TestWithParam<int> {
+protected:
+  const SimulatedPlace place_ = simulatedPlace("corridor", static_cast<std::uint64_t>(GetParam()));
+  const std::vector<Eigen::Isometry3d> poses_ =
+      simulateDrive(place_.mapping_route, kMany, mappingDrive(), 1, {}, RouteEnd::stop);
+};
+
+TEST_P(BareCorridor, IsFloorCeilingAndFourWalls) {
+  EXPECT_EQ(place_.mapped.rectangles.size(), 6u);
+  EXPECT_TRUE(place_.mapped.bodies.empty());
+  Eigen::AlignedBox3d box;
+  for (const Rectangle& r : place_.mapped.rectangles) {
+    box.extend(r.centre - r.half_u * r.axis_u - r.half_v * r.axis_v);
+    box.extend(r.centre + r.half_u * r.axis_u + r.half_v * r.axis_v);
+  }
+  EXPECT_NEAR(box.sizes().x(), kLength, 1e-9);
+  EXPECT_NEAR(box.sizes().y(), 2, 0.2 + 1e-9);
+  EXPECT_NEAR(box.sizes().z(), 2.7, 0.3 + 1e-9);
+}
+
+TEST_P(BareCorridor, IsDrivenAlongOnce) {
+  ASSERT_TRUE(place_.one_way);
+  ASSERT_LT(poses_.size(), kMany);
+  EXPECT_GT((poses_.back().translation() - poses_.front().translation()).norm(), 0.9 * kLength);
+  for (std::size_t i = 1; i < poses_.size(); ++i)
+    EXPECT_GT(poses_[i].translation().x(), poses_[i - 1].translation().x()) << i;
+}
+
+TEST_P(BareCorridor, MidwayTheEndsAreOutOfRange) {
+  const Intrinsics eighth = kinectIntrinsics().subsampled(8);
+  SimulatedNoise noise;
+  noise.max_depth = kMaxDepth;
+  const SimulatedCamera camera(eighth, noise, 1);
+  const auto isEnd = [&](int label) {
+    const auto r = std::find_if(place_.mapped.rectangles.begin(), place_.mapped.rectangles.end(),
+                                [&](const Rectangle& one) { return one.plane_id == label; });
+    return std::abs(r->normal().x()) > 0.5;
+  };
+  int midway = 0;
+  for (std::size_t i = 0; i < poses_.size(); i += 10) {
+    const double x = poses_[i].translation().x();
+    if (x < kMaxDepth || x > kLength - kMaxDepth - 0.5) continue;
+    ++midway;
+    const SimulatedFrame frame = camera.render(place_.mapped, poses_[i], i);
+    std::set<int> seen;
+    for (std::size_t k = 0; k < frame.labels.label.size(); ++k)
+      if (isMeasured(frame.depth.depth[k])) seen.insert(frame.labels.label[k]);
+    seen.erase(0);
+    EXPECT_GE(seen.size(), 3u) << x;
+    EXPECT_TRUE(std::none_of(seen.begin(), seen.end(), isEnd)) << x;
+  }
+  EXPECT_GE(midway, 8);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, BareCorridor, testing::Range(1, 5));
+
+constexpr double kRoomWidth = 4.4;  // [m]
+
+/** A camera in a room on the left or right of the corridor, or in front of its door. */
+Eigen::Isometry3d poseIn(int room, double side, double across, double heading) {
+  const double x = (room + 0.5) * kRoomWidth;
+  Eigen::Isometry3d T = Eigen::Isometry3d(Eigen::Translation3d(x, side * across, 1.2));
+  const double a = (side > 0 ? 1 : -1) * std::acos(-1.0) / 2 + heading;
+  const Eigen::Vector3d z(std::cos(a), std::sin(a), 0), down(0, 0, -1);
+  T.linear().col(2) = z;
+  T.linear().col(1) = down;
+  T.linear().col(0) = down.cross(z);
+  return T;
+}
+
+TEST(EqualRooms, AreEqualInsideAndDifferInTheCorridor) {
+  const SimulatedPlace place = simulatedPlace("hotel", 1);
+  SimulatedNoise noise;
+  const SimulatedCamera camera(kinectIntrinsics().subsampled(8), noise, 1);
+  const auto seen = [&](int room, double side, double across, double heading) {
+    return camera.render(place.mapped, poseIn(room, side, across, heading), 0).depth;  // with the same noise
+  };
+  for (const double heading : {0.0, 1.2, -1.2}) {  // not towards the door
+    const DepthImage first = seen(0, 1, 3.5, heading);
+    for (int room = 1; room < 6; ++room) EXPECT_LT(difference(first, seen(room, 1, 3.5, heading)), 0.2);
+    EXPECT_LT(difference(first, seen(2, -1, 3.5, heading)), 0.2);
+  }
+  for (int room = 1; room < 6; ++room)
+    EXPECT_GT(difference(seen(0, 1, -0.9, 0), seen(room, 1, -0.9, 0)), 0.2) << "their doors differ";
+}
 
 }  // namespace
 }  // namespace facetloc

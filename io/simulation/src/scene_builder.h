@@ -76,8 +76,7 @@ private:
   std::uint16_t next_id_ = 1;
 };
 
-// ---- Places: a file each, NAME_floor.h, and those without a plan of their own, such as bare_corridor.cpp
-// ----
+// ---- Places: a file each, NAME_floor.h, and those without a plan of their own, such as corridors.cpp ----
 SimulatedPlace officeFloor(std::uint64_t seed);
 SimulatedPlace homeFloor(std::uint64_t seed);
 SimulatedPlace hallFloor(std::uint64_t seed);

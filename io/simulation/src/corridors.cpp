@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Corridors: a bare one, and one of equal doors.
 #include "scene_builder.h"
 
 #include <Eigen/Geometry>
@@ -9,14 +10,15 @@ namespace facetloc {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 
+constexpr double kFromEnd = 1;               // distance of the robot from the ends [m]
 constexpr double kThingsOfADoor = 3.0 / 16;  // one side counts
-// Sizes, and the robot's distance from the middle line and from the ends [m].
+// Sizes between doors [m].
 constexpr double kSpacing = 1.8;
 constexpr double kHalfWidth = 1.2, kHeight = 2.6, kWall = 0.24;
 constexpr double kDoor = 0.9, kDoorHeight = 2.05, kLeaf = 0.04;
 constexpr double kThingDepth = 0.3;
-constexpr double kOffMiddle = 0.2, kFromEnd = 1;
 
 double middleOf(int door) { return (door + 0.5) * kSpacing; }
 
@@ -37,13 +39,33 @@ void addThing(SceneBuilder& builder, int n_doors, Random& random) {
   builder.box(Spot{{x, side * (kHalfWidth - (kWall + kThingDepth) / 2)}}, {length, kThingDepth, height});
 }
 
-/** Route from end to end, on a line that is not quite the corridor's. */
-Route wayThrough(double length, Random& random) {
-  const double from = random.uniform(-kOffMiddle, kOffMiddle), to = random.uniform(-kOffMiddle, kOffMiddle);
-  return {{{kFromEnd, from}, 0}, {{length - kFromEnd, to}, 0}};
+/** Both runs go from end to end, each on a line that is not quite the corridor's. */
+void driveThrough(double length, double off_middle, Random& random, SimulatedPlace& place) {
+  for (Route* route : {&place.mapping_route, &place.query_route}) {
+    const double from = random.uniform(-off_middle, off_middle), to = random.uniform(-off_middle, off_middle);
+    *route = {{{kFromEnd, from}, 0}, {{length - kFromEnd, to}, 0}};
+  }
+  place.one_way = true;
 }
 
 }  // namespace
+
+SimulatedPlace bareCorridor(std::uint64_t seed) {
+  constexpr double kLength = 40;  // [m]
+  Random random(seed);
+  SimulatedPlace place;
+  SceneBuilder builder(place);
+  const double half_width = random.uniform(1.8, 2.2) / 2;
+  const double height = random.uniform(2.4, 3.0);
+  const Eigen::AlignedBox2d area(Vector2d(0, -half_width), Vector2d(kLength, half_width));
+  builder.level(area, 0);
+  builder.level(area, height);
+  const Vector3d along(kLength / 2, 0, 0), across(0, half_width, 0), up(0, 0, height / 2);
+  for (const double side : {-1, 1}) builder.rectangle(along + up + side * across, along, up);
+  for (const double side : {-1, 1}) builder.rectangle(along + up + side * along, across, up);
+  driveThrough(kLength, 0.3, random, place);
+  return place;
+}
 
 SimulatedPlace equalDoors(std::uint64_t seed, int n_doors) {
   const double length = n_doors * kSpacing;
@@ -56,9 +78,7 @@ SimulatedPlace equalDoors(std::uint64_t seed, int n_doors) {
   for (const double side : {-1, 1}) addSide(builder, n_doors, side);
   for (const double x : {0.0, length}) builder.wall({x, -kHalfWidth}, {x, kHalfWidth}, kWall, kHeight);
   for (int i = 0; i < kThingsOfADoor * n_doors; ++i) addThing(builder, n_doors, random);
-  place.mapping_route = wayThrough(length, random);
-  place.query_route = wayThrough(length, random);
-  place.one_way = true;
+  driveThrough(length, 0.2, random, place);
   return place;
 }
 
