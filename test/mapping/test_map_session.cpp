@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sessions/map_update.h"
+#include "sessions/map_review.h"
 #include "sessions/session_place.h"
 
 #include <facetloc/testing/pose_matchers.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/polygon_triangles.h"
+#include "models/model_points.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/mesh_surface.h>

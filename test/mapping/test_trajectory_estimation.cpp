@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/trajectory_links.h"
+#include "trajectory/trajectory_graph.h"
 
 #include <facetloc/mapping/trajectory_estimation.h>
 #include <facetloc/testing/pose_matchers.h>

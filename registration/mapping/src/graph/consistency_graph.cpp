@@ -2,9 +2,46 @@
 #include "graph/consistency_graph.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace facetloc::internal {
+namespace {
+
+constexpr double kEllipsoid = chiSquareQuantile(6, 0.95);
+constexpr double kTellingRound = 0.5;  // largest standard deviation of an informative round trip [m]
+constexpr double kTellingRoundRotation = 10 * kDegree;
+
+using RelativePoses = std::map<int, std::vector<std::optional<PoseWithCovariance>>>;  // keyed by node
+
+Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& from) {
+  const auto &there = from.at(a.to)[b.to], &back = from.at(b.from)[a.from];
+  if (!there || !back) return Agreement::says_nothing;
+  const PoseWithCovariance round = a.T_from_to * *there * inverse(b.T_from_to) * *back;
+  if (largestTranslationStd(round.P) > kTellingRound || largestRotationStd(round.P) > kTellingRoundRotation)
+    return Agreement::says_nothing;
+  const double off = squaredMahalanobis({Eigen::Isometry3d::Identity(), round.P}, round.T);
+  return off < kEllipsoid ? Agreement::agree : Agreement::contradict;
+}
+
+constexpr double kSigmas = 3;  // tolerated errors of the session, in standard deviations
+constexpr double kTellingStd =
+    2;  // largest standard deviation of the session between two keyframes that is informative [m]
+constexpr double kTellingRotation = 20 * kDegree;
+
+Agreement compare(const FoundKeyframe& a, const FoundKeyframe& b, const RelativePose& relative,
+                  const PlaceTolerance& tolerance) {
+  const auto in_session = relative(a.keyframe, b.keyframe);
+  if (!in_session) return Agreement::says_nothing;
+  const double std = largestTranslationStd(in_session->P), turn_std = largestRotationStd(in_session->P);
+  if (std > kTellingStd || turn_std > kTellingRotation) return Agreement::says_nothing;
+  const Vector6d off = boxminus(a.T_w_c.T.inverse() * b.T_w_c.T, in_session->T);
+  const bool agree = off.tail<3>().norm() <= tolerance.distance + kSigmas * std &&
+                     off.head<3>().norm() <= tolerance.rotation + kSigmas * turn_std;
+  return agree ? Agreement::agree : Agreement::contradict;
+}
+
+}  // namespace
 
 ConsistencyGraph::ConsistencyGraph(int n, const std::function<Agreement(int i, int j)>& compare)
     : verdicts_(n, std::vector<Agreement>(n, Agreement::says_nothing)) {
@@ -42,6 +79,56 @@ ConsistencyGraph::Set allOf(int n) {
   ConsistencyGraph::Set all(n);
   std::iota(all.begin(), all.end(), 0);
   return all;
+}
+
+int independentTies(const std::vector<std::pair<int, int>>& ties, const NodesApart& apart) {
+  std::vector<std::pair<int, int>> kept;
+  for (const auto& tie : ties)
+    if (std::all_of(kept.begin(), kept.end(), [&](const std::pair<int, int>& other) {
+          return apart(tie.first, other.first) && apart(tie.second, other.second);
+        }))
+      kept.push_back(tie);
+  return static_cast<int>(kept.size());
+}
+
+std::vector<bool> consistentLoops(const std::vector<PoseEdge>& loops, const GraphCovariance& graph, int least,
+                                  const NodesApart& apart) {
+  RelativePoses from;
+  for (const PoseEdge& loop : loops)
+    for (const int node : {loop.from, loop.to})
+      if (!from.count(node)) from.emplace(node, graph.relativeTo(node));
+  const int n = static_cast<int>(loops.size());
+  const ConsistencyGraph agreement(n, [&](int i, int j) { return compare(loops[i], loops[j], from); });
+  const auto witnesses = [&](const ConsistencyGraph::Set& set) {
+    std::vector<std::pair<int, int>> ties;
+    for (const int i : set) ties.emplace_back(loops[i].from, loops[i].to);
+    return independentTies(ties, apart);
+  };
+
+  std::vector<bool> confirmed(loops.size(), false);
+  ConsistencyGraph::Set left = allOf(n);
+  for (;;) {
+    const ConsistencyGraph::Largest largest = agreement.largest(left, witnesses);
+    if (largest.members.empty() || witnesses(largest.members) < least) return confirmed;
+    for (const int i : largest.members) confirmed[i] = largest.is_clear;
+    for (const ConsistencyGraph::Set* done : {&largest.members, &largest.against})
+      for (const int i : *done) left.erase(std::find(left.begin(), left.end(), i));
+  }
+}
+
+std::vector<FoundKeyframe> consensusAlignment(const std::vector<FoundKeyframe>& found,
+                                              const RelativePose& relative, const PlaceTolerance& tolerance,
+                                              std::size_t least) {
+  const int n = static_cast<int>(found.size());
+  const ConsistencyGraph agreement(
+      n, [&](int i, int j) { return compare(found[i], found[j], relative, tolerance); });
+  ConsistencyGraph::Largest largest = agreement.largest(
+      allOf(n), [](const ConsistencyGraph::Set& set) { return static_cast<int>(set.size()); });
+  if (largest.members.empty() || largest.members.size() < least || !largest.is_clear) return {};
+  std::sort(largest.members.begin(), largest.members.end());
+  std::vector<FoundKeyframe> out;
+  for (const int i : largest.members) out.push_back(found[i]);
+  return out;
 }
 
 }  // namespace facetloc::internal

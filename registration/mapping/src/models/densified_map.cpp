@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/fused_surface.h"
-#include "sessions/map_update.h"
+#include "sessions/map_review.h"
 #include "sessions/parallel_stage.h"
 
-#include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
 #include <facetloc/mapping/densified_map.h>
 #include <facetloc/mapping/map_builder.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/model_points.h"
-#include "models/polygon_triangles.h"
 #include "models/ray_caster.h"
 
 #include <facetloc/mapping/mesh_surface.h>

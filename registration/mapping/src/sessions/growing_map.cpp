@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/trajectory_links.h"
+#include "trajectory/trajectory_graph.h"
 
 #include <facetloc/mapping/growing_map.h>
 

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <map>
 #include <numeric>
 
 namespace facetloc::internal {

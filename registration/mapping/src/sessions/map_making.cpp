@@ -3,7 +3,7 @@
 #include "calibration/distortion_calibration.h"
 #include "calibration/map_ambiguity.h"
 #include "sessions/image_run.h"
-#include "trajectory/trajectory_links.h"
+#include "trajectory/trajectory_graph.h"
 
 #include <facetloc/features/map_parts.h>
 #include <facetloc/mapping/map_making.h>

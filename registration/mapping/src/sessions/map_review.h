@@ -60,4 +60,11 @@ private:
   std::vector<SurfaceReview> reviews_;
 };
 
+/** \brief Removes local models from a map, and the links that lead to them. */
+void removeModels(const std::vector<char>& removed, Map& map);
+
+/** \brief MapSession::update() with images in their places. \param review of the map as it is */
+MapChanges updateMap(Map& map, const std::vector<SessionImage>& session, const MapReview& review,
+                     const MapBuilderParams& builder = {}, const MapSessionParams& params = {});
+
 }  // namespace facetloc::internal

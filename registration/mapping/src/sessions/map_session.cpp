@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/image_run.h"
 #include "sessions/map_review.h"
-#include "sessions/map_update.h"
 #include "sessions/session_place.h"
 
 #include <facetloc/mapping/map_session.h>
 
 #include <fmt/format.h>
-#include <utility>
 
 namespace facetloc {
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sessions/map_update.h"
-
 #include "nearby/view_alignment.h"
 #include "poses/pose_fusion.h"
+#include "sessions/map_review.h"
 
 #include <facetloc/features/map_metadata.h>
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sessions/session_place.h"
 
-#include "graph/consensus_alignment.h"
-#include "graph/graph_covariance.h"
+#include "graph/consistency_graph.h"
+#include "graph/pose_graph.h"
 #include "poses/pose_fusion.h"
 #include "sessions/parallel_stage.h"
 #include "threads/in_parallel.h"
-#include "trajectory/trajectory_links.h"
+#include "trajectory/trajectory_graph.h"
 
 #include <facetloc/features/pose.h>
-#include <facetloc/mapping/map_session.h>
 
 #include <algorithm>
 #include <fmt/format.h>

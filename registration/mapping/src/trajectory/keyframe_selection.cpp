@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/keyframe_selection.h"
 
-#include "motion/step_prior.h"
 #include "poses/pose_fusion.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/loop_search.h"
 
-#include "graph/loop_consistency.h"
+#include "graph/consistency_graph.h"
 #include "poses/pose_fusion.h"
 #include "trajectory/tie_search.h"
 

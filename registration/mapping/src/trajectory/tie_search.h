@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "graph/graph_covariance.h"
+#include "graph/pose_graph.h"
 #include "trajectory/camera_speed.h"
 #include "trajectory/chunked_work.h"
 #include "trajectory/trajectory_graph.h"

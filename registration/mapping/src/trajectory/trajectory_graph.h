@@ -3,13 +3,65 @@
 
 #include "graph/pose_graph.h"
 #include "motion/view_placing.h"
-#include "trajectory/overlap_verdict.h"
 
+#include <facetloc/features/pose.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
 
 namespace facetloc::internal {
+
+/** \brief Two keyframes, compared. */
+struct Comparison {
+  Eigen::Isometry3d prior = Eigen::Isometry3d::Identity();  ///< where they were expected
+  bool anywhere = false;                                    ///< searched far from there, too
+  std::optional<PlacedView> placed;
+};
+
+constexpr double kLeastAgreement = 0.8;  ///< share of the pixels in which two keyframes must agree
+constexpr double kLeastOverlap = 0.2;    ///< share of the pixels that two keyframes must have in common
+constexpr double kClearAgreement = 0.9;  ///< agreement of an image with the keyframes before it
+constexpr double kLoopOverlap = 0.3;     ///< share that an uncertain loop must have in common
+constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);  ///< squared Mahalanobis distance
+
+/** \brief Relative pose by two views, with the errors that all views share. */
+PoseWithCovariance measured(const PlacedView& placed);
+
+/** \brief ViewPlacing::place(); empty also if the two keyframes disagree, or have too little in common. */
+std::optional<PlacedView> registered(const ViewPlacing& placing, const View& view, const View& other,
+                                     const PoseWithCovariance& prior, bool search);
+
+/** \brief True for views that agree clearly, as images of another place hardly do. */
+bool isClear(const PlacedView& placed);
+
+/** \brief True if the depth of two views agrees at a relative pose. */
+bool depthAgrees(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
+
+/** \brief Share of the pixels of two views that agree or contradict at a relative pose. */
+double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
+
+enum class OverlapVerdict : char { says_nothing, confirms, contradicts };
+
+/** \brief Verdict of two compared views on their relative pose by the trajectory. They contradict it if depth
+ * disagrees there, or if they were registered farther away than 1 deg or 0.1 m and their error. */
+OverlapVerdict verdictOn(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
+                         const Comparison& compared);
+
+/** \brief Numbers of two pieces of a trajectory, the smaller first. */
+using PiecePair = std::pair<int, int>;
+/** \brief Verdicts on the relative poses of pieces. */
+using PieceVerdicts = std::map<PiecePair, OverlapVerdicts>;
+/** \brief Independent ties between pieces. */
+using PieceBonds = std::map<PiecePair, int>;
+
+/** \brief The bond that is to be cut next, if any: one with too few independent ties, or else, where the
+ * verdicts on two pieces contradict their relative pose, the one most contradicted among those that lead from
+ * one to the other. Same input, same answer. */
+std::optional<PiecePair> weakestBond(const PieceVerdicts& verdicts, const PieceBonds& bonds, int least_ties);
 
 /** \brief Position of an image relative to a keyframe. */
 struct RelativePosition {
@@ -71,5 +123,35 @@ private:
   std::vector<TrajectoryNode> nodes_;
   std::vector<KeyframeMotion> relations_;
 };
+
+/** \brief The graph of keyframes at these poses. All comparisons of one keyframe share its errors: together
+ * they have the information of those with the keyframe before and the one after.
+ *
+ * \param mounting if known, all stand on one floor \param key_distance distance between keyframes, by which
+ * the unevenness under them is new [m] */
+PoseGraph keyframeGraph(const std::vector<Eigen::Isometry3d>& T_w_k,
+                        const std::vector<KeyframeMotion>& motions,
+                        const std::optional<CameraMounting>& mounting, double key_distance);
+/** \brief The graph of a trajectory with the usual distance between its keyframes. */
+PoseGraph keyframeGraph(const CameraTrajectory& trajectory, const std::optional<CameraMounting>& mounting);
+
+/** \brief A place on a trajectory, as a keyframe knows it. */
+struct PlaceOnTrajectory {
+  int keyframe = 0;
+  Eigen::Isometry3d T_k_c = Eigen::Isometry3d::Identity();  ///< pose in the frame of that keyframe
+};
+
+/** \brief Links between pairs of places, given by their indices, that are in one part: motions by the
+ * trajectory's poses, covariances by its graph, computed for each pair separately. */
+std::vector<Link> linksBetween(const CameraTrajectory& trajectory,
+                               const std::vector<PlaceOnTrajectory>& places,
+                               const std::set<std::pair<int, int>>& pairs);
+
+/** \brief The links of a map whose local models are some images of a trajectory: from each to the next of its
+ * part, and between those next to keyframes that were compared, which includes all closed loops.
+ *
+ * \param images numbers of the images in ascending order; link ends are indices among these. Throws
+ * std::invalid_argument for a number that is no image's. */
+std::vector<Link> trajectoryLinks(const CameraTrajectory& trajectory, const std::vector<std::size_t>& images);
 
 }  // namespace facetloc::internal

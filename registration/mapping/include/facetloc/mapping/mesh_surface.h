@@ -37,7 +37,6 @@ public:
   bool isDrawn() const override { return !is_scan_; }
 
   std::size_t triangles() const { return triangles_; }
-  bool isScan() const { return is_scan_; }           ///< is it seen from the front alone?
   std::size_t leftOut() const { return left_out_; }  ///< triangles that cannot be used
 
 private:

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory/camera_speed.h"
 #include "trajectory/tie_search.h"
+#include "trajectory/trajectory_graph.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 
@@ -104,6 +107,66 @@ TEST(TieSearch, OnePartHasNoTies) {
   const std::vector<TrajectoryNode> one(3, keyframe({}, 7, 0));
   EXPECT_TRUE(tieCandidates(one, 0, TieSearch{}).empty());
   EXPECT_TRUE(tieCandidates({}, 0, TieSearch{}).empty());
+}
+
+constexpr int kLeast = 2;
+
+TEST(PieceBonds, AConfirmedBondStays) {
+  EXPECT_FALSE(weakestBond({{{0, 0}, {100, 2}}, {{0, 5}, {40, 1}}}, {{{0, 5}, 2}}, kLeast));
+  EXPECT_FALSE(weakestBond({}, {}, kLeast));
+}
+
+TEST(PieceBonds, ABondOfOneTieIsCut) {
+  EXPECT_EQ(weakestBond({{{0, 5}, {40, 0}}}, {{{0, 5}, 1}}, kLeast), PiecePair(0, 5));
+}
+
+TEST(PieceBonds, AContradictedBondIsCut) {
+  EXPECT_EQ(weakestBond({{{0, 5}, {40, 0}}, {{0, 9}, {60, 20}}}, {{{0, 5}, 3}, {{0, 9}, 7}}, kLeast),
+            PiecePair(0, 9));
+}
+
+TEST(PieceBonds, WhereTheEndsOfAChainContradictEachOtherItsWeakestBondIsCut) {
+  const PieceBonds bonds{{{0, 3}, 4}, {{3, 5}, 2}, {{5, 9}, 6}};
+  EXPECT_EQ(weakestBond({{{0, 9}, {1, 30}}}, bonds, kLeast), PiecePair(3, 5));
+  EXPECT_EQ(weakestBond({{{0, 9}, {1, 30}}, {{5, 9}, {50, 2}}}, bonds, kLeast), PiecePair(5, 9));
+}
+
+TEST(PieceBonds, ContradictionsWithinAPieceCutNothing) {
+  EXPECT_FALSE(weakestBond({{{0, 0}, {10, 10}}}, {{{0, 5}, 3}}, kLeast));
+}
+
+Eigen::Isometry3d along(double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); }
+
+CameraSpeed after(int images, double interval) {
+  CameraSpeed speed;
+  for (int i = 0; i < images; ++i) speed.addInterval(interval);
+  return speed;
+}
+
+TEST(CameraSpeed, AHoleInAVideoIsAGap) {
+  const CameraSpeed speed = after(50, 0.033);
+  EXPECT_TRUE(speed.isGap(3.5));
+  EXPECT_FALSE(speed.isGap(0.1)) << "a few lost images";
+}
+
+TEST(CameraSpeed, AnImageNowAndThenIsARhythm) {
+  EXPECT_FALSE(after(0, 0).isGap(5));
+  EXPECT_FALSE(after(5, 5).isGap(6));
+  EXPECT_TRUE(after(5, 5).isGap(20));
+}
+
+TEST(CameraSpeed, AFastCameraIsGoneSooner) {
+  CameraSpeed speed = after(50, 0.033);
+  EXPECT_FALSE(speed.isGap(0.8));
+  speed.addMotion(along(0.75), 0.5);
+  EXPECT_TRUE(speed.isGap(0.8));
+  EXPECT_NEAR(speed.farthest(2), 6, 1e-9);
+}
+
+TEST(CameraSpeed, NoiseOfAnInstantIsNoSpeed) {
+  CameraSpeed speed;
+  speed.addMotion(along(0.1), 0.01);
+  EXPECT_NEAR(speed.farthest(1), 1.5, 1e-9);
 }
 
 }  // namespace
