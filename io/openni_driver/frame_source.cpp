@@ -13,7 +13,6 @@
 #include <cmath>
 #include <filesystem>
 #include <utility>
-#include <vector>
 
 namespace facetloc {
 namespace {

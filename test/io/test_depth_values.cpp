@@ -12,18 +12,36 @@
 namespace facetloc::test {
 namespace {
 
-/** A sequence whose values are changed after they were written. */
-ValueCheck check(const std::function<int(int)>& change, double depth_scale = 1000) {
+/** The findings on a sequence whose values are changed after they were written. \param change value of an
+ * image's number, a pixel and its old value */
+Findings findingsOn(const std::function<int(int i, int u, int v, int value)>& change, double depth_scale,
+                    double max_depth = std::numeric_limits<double>::infinity()) {
   const TemporaryFolder folder;
   const ExampleSequence example;
   example.write(folder.path());
+  CameraFile file;
+  file.camera.intrinsics = example.camera;
+  file.camera.max_depth = max_depth;
+  file.depth_scale = depth_scale;
+  writeCameraFile(folder.path() / "camera.ini", file);
   for (int i = 0; i < example.frames; ++i) {
     Raster<std::uint16_t> raster = readGreyPng(example.image(folder.path(), i), 16);
-    for (std::uint16_t& value : raster.data)
-      if (value != 0) value = static_cast<std::uint16_t>(change(value));
+    for (int v = 0; v < raster.height; ++v)
+      for (int u = 0; u < raster.width; ++u) {
+        std::uint16_t& value = raster.data[static_cast<std::size_t>(v) * raster.width + u];
+        value = static_cast<std::uint16_t>(change(i, u, v, value));
+      }
     writePng(example.image(folder.path(), i), raster);
   }
-  return checkValues(depthValues(DepthSequence::open(folder.path())), depth_scale);
+  Findings found = readingFindings(DepthSequence::open(folder.path()));
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [](const Finding& finding) { return finding.severity == Severity::note; }),
+              found.end());
+  return found;
+}
+
+Findings check(const std::function<int(int)>& change, double depth_scale = 1000) {
+  return findingsOn([&](int, int, int, int value) { return value == 0 ? 0 : change(value); }, depth_scale);
 }
 
 std::vector<std::string> wordsOf(const Findings& findings) {
@@ -51,39 +69,31 @@ TEST(DepthValues, OfFramesAreJudgedAsThoseOfFiles) {
 }
 
 TEST(DepthValues, FindNoFaultWithMillimetres) {
-  const ValueCheck found = check([](int v) { return v; });
-  EXPECT_THAT(found.findings, IsEmpty());
-  EXPECT_EQ(found.values.divisor, 1);
-  EXPECT_GT(found.median_depth, 0.6);
-  EXPECT_THAT(check([](int v) { return 5 * v; }, 5000).findings, IsEmpty()) << "steps of a millimetre";
+  EXPECT_THAT(check([](int v) { return v; }), IsEmpty());
+  EXPECT_THAT(check([](int v) { return 5 * v; }, 5000), IsEmpty()) << "steps of a millimetre";
 }
 
 TEST(DepthValues, NameSwappedBytes) {
-  const ValueCheck found = check([](int v) { return (v >> 8) | (v << 8); });
-  EXPECT_THAT(wordsOf(found.findings), ElementsAre(HasSubstr("bytes of the PNG values are swapped")));
-  EXPECT_NE(firstOf(found.findings, Severity::refusal), nullptr);
+  const Findings found = check([](int v) { return (v >> 8) | (v << 8); });
+  EXPECT_THAT(wordsOf(found), ElementsAre(HasSubstr("bytes of the PNG values are swapped")));
+  EXPECT_NE(firstOf(found, Severity::refusal), nullptr);
 }
 
 TEST(DepthValues, NameRotatedBits) {
-  const ValueCheck found = check([](int v) { return (v << 3) | (v >> 13); });
-  ASSERT_FALSE(found.findings.empty());
-  EXPECT_THAT(found.findings.front().words, HasAll("multiples of 8", "8000", "by 3"));
+  const Findings found = check([](int v) { return (v << 3) | (v >> 13); });
+  ASSERT_FALSE(found.empty());
+  EXPECT_THAT(found.front().words, HasAll("multiples of 8", "8000", "by 3"));
 }
 
 TEST(DepthValues, NameEightBits) {
-  EXPECT_THAT(check([](int v) { return 257 * (v / 16); }).findings.front().words, HasSubstr("8 bits"));
-  EXPECT_THAT(check([](int v) { return v / 16; }, 62.5).findings.front().words, HasSubstr("8 bits"));
+  EXPECT_THAT(check([](int v) { return 257 * (v / 16); }).front().words, HasSubstr("8 bits"));
+  EXPECT_THAT(check([](int v) { return v / 16; }, 62.5).front().words, HasSubstr("8 bits"));
 }
 
 TEST(DepthValues, NameAScaleThatNoCameraHas) {
-  EXPECT_THAT(wordsOf(check([](int v) { return v; }, 50).findings), ElementsAre(HasSubstr("beyond 10 m")));
-  EXPECT_THAT(wordsOf(check([](int v) { return v; }, 5000).findings),
+  EXPECT_THAT(wordsOf(check([](int v) { return v; }, 50)), ElementsAre(HasSubstr("beyond 10 m")));
+  EXPECT_THAT(wordsOf(check([](int v) { return v; }, 5000)),
               ElementsAre(HasSubstr("nearer than depth cameras")));
-}
-
-TEST(DepthValues, OtherFormatsAreUnknown) {
-  const ValueCheck found = checkValues({}, 1000);
-  EXPECT_THAT(found.findings, IsEmpty());
 }
 
 TEST(Optics, OfAnotherSizeOrUnitAreNamed) {
@@ -106,25 +116,10 @@ int wall(int i, int u, int /*v*/) {
 std::vector<std::string> idsOf(const std::function<int(int i, int u, int v)>& value,
                                double depth_scale = 1000,
                                double max_depth = std::numeric_limits<double>::infinity()) {
-  const TemporaryFolder folder;
-  const ExampleSequence example;
-  example.write(folder.path());
-  CameraFile file;
-  file.camera.intrinsics = example.camera;
-  file.camera.max_depth = max_depth;
-  file.depth_scale = depth_scale;
-  writeCameraFile(folder.path() / "camera.ini", file);
-  for (int i = 0; i < example.frames; ++i) {
-    Raster<std::uint16_t> raster = readGreyPng(example.image(folder.path(), i), 16);
-    for (int v = 0; v < raster.height; ++v)
-      for (int u = 0; u < raster.width; ++u)
-        raster.data[static_cast<std::size_t>(v) * raster.width + u] =
-            static_cast<std::uint16_t>(value(i, u, v));
-    writePng(example.image(folder.path(), i), raster);
-  }
   std::vector<std::string> ids;
-  for (const Finding& finding : readingFindings(DepthSequence::open(folder.path())))
-    if (finding.severity != Severity::note) ids.push_back(finding.id);
+  for (const Finding& finding :
+       findingsOn([&](int i, int u, int v, int) { return value(i, u, v); }, depth_scale, max_depth))
+    ids.push_back(finding.id);
   return ids;
 }
 

@@ -2,10 +2,15 @@
 #include "example_map.h"
 #include "temporary_folder.h"
 
+#include <facetloc/features/map_parts.h>
 #include <facetloc/features/segment_frame.h>
+#include <facetloc/io/camera_file.h>
+#include <facetloc/io/depth_sequence.h>
+#include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/trajectory.h>
 #include <facetloc/testing/changed_views.h>
+#include <facetloc/testing/pose_matchers.h>
 
 #include <Eigen/LU>
 #include <pcl/io/pcd_io.h>
@@ -44,7 +49,7 @@ TEST_F(MapExport, PosesBecomeATrajectory) {
   Map map = ExampleMap().map(3);
   map.models[1].T_w_m.reset();
   exportMap(map, folder_.path());
-  EXPECT_EQ(readTumTrajectory(folder_ / "poses_tum.txt").poses().size(), 2u);
+  EXPECT_EQ(readTrajectory(folder_ / "poses_tum.txt").poses().size(), 2u);
   const auto vertices = linesOf(folder_ / "graph.g2o", "VERTEX_SE3:QUAT ");
   ASSERT_EQ(vertices.size(), 3u);
   EXPECT_EQ(vertices[1], "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1");
@@ -120,6 +125,133 @@ TEST_F(MapExport, SameMapSameBytes) {
 TEST_F(MapExport, AFileInTheWayIsAnError) {
   putBytes(folder_ / "out", "a file");
   EXPECT_THAT(ioErrorOf([&] { exportMap(Map(), folder_ / "out"); }), HasSubstr("out"));
+}
+
+class MapGraph : public InAFolder {
+protected:
+  /** A map whose poses all follow from links. */
+  static Map byLinks(int models) {
+    Map map = ExampleMap().map(models);
+    for (LocalModel& model : map.models) model.T_w_m.reset();
+    placeByLinks(map);
+    return map;
+  }
+  std::string faultOf(const std::string& graph, Map map = ExampleMap().map(2)) const {
+    putBytes(path_, graph);
+    return ioErrorOf([&] { readGraphPoses(path_, map); });
+  }
+
+  const std::filesystem::path path_ = folder_ / "graph.g2o";
+};
+
+TEST_F(MapGraph, PosesComeBackAsGivenOnes) {
+  const Map optimized = ExampleMap(8).map(3);
+  writeGraph(path_, optimized);
+  for (Map map : {ExampleMap().map(3), byLinks(3)}) {
+    const Link link = map.links[1];
+    readGraphPoses(path_, map);
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(map.models[i].givenPose());
+      EXPECT_THAT(*map.models[i].T_w_m, PoseNear(*optimized.models[i].T_w_m, 1e-7, 1e-5));
+    }
+    EXPECT_EQ(map.links[1].T_from_to.T.matrix(), link.T_from_to.T.matrix());
+  }
+}
+
+TEST_F(MapGraph, ExtraColumnsOfAVertexAreIgnored) {
+  Map map = ExampleMap().map(2);
+  const std::string graph = "# words\nFIX 0\nVERTEX_SE3:QUAT 1 1 2 3 0 0 0 1\r\n\n"
+                            "VERTEX_SE3:QUAT 0 4 5 6 0 0 1 0 # more\nEDGE_SE3:QUAT 0 1 nonsense\n";
+  EXPECT_EQ(faultOf(graph, map), "");
+  readGraphPoses(path_, map);
+  EXPECT_EQ(map.models[1].T_w_m->translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(map.models[0].T_w_m->translation(), Eigen::Vector3d(4, 5, 6));
+}
+
+TEST_F(MapGraph, FaultsNameTheirLine) {
+  const std::string first = "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1\n";
+  EXPECT_THAT(faultOf(first), HasAll("no vertex", "frame 1"));
+  EXPECT_THAT(faultOf(first + first), HasAll("line 2", "already"));
+  EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT 2 1 2 3 0 0 0 1\n"), HasSubstr("no local model 2"));
+  EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT -1 1 2 3 0 0 0 1\n"), HasSubstr("no local model -1"));
+  EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT x 1 2 3 0 0 0 1\n"), HasSubstr("'x'"));
+  EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT 1 1 2 3 0 0 1\n"), HasSubstr("8 words"));
+  EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT 1 1 nan 3 0 0 0 1\n"), HasSubstr("not finite"));
+  EXPECT_THAT(faultOf(first + "VERTEX_SE3:QUAT 1 1 2 3 0 0 0 2\n"), HasSubstr("not a rotation"));
+  EXPECT_THAT(faultOf("", byLinks(2)), HasSubstr("no vertex"));
+}
+
+TEST_F(MapGraph, PartsKeepTheirFrames) {
+  Map map = ExampleMap().map(4);
+  map.links = {map.links[0], map.links[2]};
+  for (const int i : {1, 2, 3}) map.models[i].T_w_m.reset();
+  placeByLinks(map);
+  writeGraph(path_, map);
+  EXPECT_THAT(bytesOf(path_),
+              HasAll("next vertex follows from links\nVERTEX_SE3:QUAT 1 ",
+                     "in the frame of part 1\nVERTEX_SE3:QUAT 2 ", Not(HasSubstr("unknown"))));
+  const Map before = map;
+  readGraphPoses(path_, map);
+  EXPECT_TRUE(map.models[1].givenPose());
+  for (const int i : {2, 3}) {
+    EXPECT_FALSE(map.models[i].givenPose());
+    EXPECT_EQ(map.partOf(i), before.partOf(i));
+    EXPECT_THAT(*map.models[i].T_w_m, PoseNear(*before.models[i].T_w_m, 1e-9, 1e-6));
+  }
+
+  for (LocalModel& model : map.models) model.T_w_m.reset();
+  placeByLinks(map);
+  EXPECT_THAT(ioErrorOf([&] { readGraphPoses(path_, map); }), HasSubstr("parts"));
+}
+
+Camera mountedCamera() {
+  Camera camera;
+  camera.intrinsics = {640, 480, 525, 526, 319, 239};
+  camera.noise.inverse_depth_std = 0.002;
+  camera.mounting = CameraMounting{0.9, 12};
+  camera.max_depth = 6;
+  return camera;
+}
+
+using MapCamera = InAFolder;
+
+TEST_F(MapCamera, IsThatOfTheMap) {
+  MapDatabase::create(folder_ / "a.flmap").setCamera(mountedCamera());
+  EXPECT_TRUE(isMapFile(folder_ / "a.flmap"));
+  CameraFile stored;
+  stored.depth_scale = 5000;
+  stored.lens.k1 = 0.1;
+  stored.camera.intrinsics = {320, 240, 250, 250, 159, 119};
+  stored.preset = "kinect";
+  const CameraFile file = cameraOfMap(folder_ / "a.flmap", stored);
+  EXPECT_EQ(file.camera.intrinsics, mountedCamera().intrinsics);
+  EXPECT_EQ(file.camera.noise.inverse_depth_std, 0.002);
+  EXPECT_EQ(file.camera.max_depth, 6);
+  ASSERT_TRUE(file.camera.mounting);
+  EXPECT_EQ(file.camera.mounting->tilt_deg, 12);
+  EXPECT_EQ(file.depth_scale, 5000) << "how images are stored is not of the map";
+  EXPECT_EQ(file.lens.k1, 0.1);
+}
+
+TEST_F(MapCamera, NeedsIntrinsicsFromSomewhere) {
+  Camera camera = mountedCamera();
+  camera.intrinsics = {};
+  MapDatabase::create(folder_ / "a.flmap").setCamera(camera);
+  CameraFile stored;
+  stored.camera.intrinsics = {320, 240, 250, 250, 159, 119};
+  EXPECT_EQ(cameraOfMap(folder_ / "a.flmap", stored).camera.intrinsics, stored.camera.intrinsics);
+  EXPECT_THAT(ioErrorOf([&] { cameraOfMap(folder_ / "a.flmap"); }),
+              HasSubstr("a.flmap: does not say the intrinsics"));
+}
+
+TEST_F(MapCamera, OfNoMapIsAnError) {
+  std::ofstream(folder_ / "short.flmap") << "SQL";
+  std::ofstream(folder_ / "torn.flmap") << "SQLite format 3, and nothing more";
+  EXPECT_FALSE(isMapFile(folder_ / "short.flmap"));
+  EXPECT_FALSE(isMapFile(folder_ / "none.flmap"));
+  EXPECT_FALSE(isMapFile(folder_ / ""));
+  EXPECT_TRUE(isMapFile(folder_ / "torn.flmap"));
+  EXPECT_THROW(cameraOfMap(folder_ / "torn.flmap"), IoError);
 }
 
 }  // namespace

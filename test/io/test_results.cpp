@@ -12,6 +12,101 @@
 namespace facetloc::test {
 namespace {
 
+const Eigen::Vector3d kUpright = Eigen::Vector3d::Zero();
+
+StampedPose poseAt(double stamp, const Eigen::Vector3d& phi = {0.1, -0.2, 0.3},
+                   const Eigen::Vector3d& t = {1, 2, 3}) {
+  StampedPose pose;
+  pose.stamp = stamp;
+  pose.T_w_c.linear() = expSO3(phi);
+  pose.T_w_c.translation() = t;
+  return pose;
+}
+
+TEST(Trajectory, BetweenTwoPosesTheMotionIsEven) {
+  const Trajectory poses({poseAt(2, {0, 0, 0.8}, {3, 0, 0}), poseAt(1, {0, 0, 0.4}, {1, 0, 2})});
+  const auto middle = poses.interpolated(1.25);
+  ASSERT_TRUE(middle);
+  EXPECT_LT((middle->linear() - expSO3({0, 0, 0.5})).norm(), 1e-12);
+  EXPECT_LT((middle->translation() - Eigen::Vector3d(1.5, 0, 1.5)).norm(), 1e-12);
+  EXPECT_EQ(poses.interpolated(1)->matrix(), poses.poses()[0].T_w_c.matrix());
+  EXPECT_EQ(poses.interpolated(2)->matrix(), poses.poses()[1].T_w_c.matrix());
+  EXPECT_FALSE(poses.interpolated(0.999));
+  EXPECT_FALSE(poses.interpolated(2.001));
+  EXPECT_FALSE(Trajectory().interpolated(1));
+  const Trajectory twice({poseAt(1), poseAt(1, kUpright), poseAt(2)});  // two poses of one stamp
+  EXPECT_TRUE(twice.interpolated(1.5)->matrix().allFinite());
+}
+
+TEST(Trajectory, RoundTrips) {
+  const TemporaryFolder folder;
+  const std::vector<StampedPose> poses = {poseAt(1305031102.175304, {3.1, 0.1, -0.2}, {1.0 / 3, -1e-7, 1e5}),
+                                          poseAt(1305031102.275304)};
+  writeTumTrajectory(folder / "poses.txt", poses);
+  const Trajectory read = readTrajectory(folder / "poses.txt");
+  ASSERT_EQ(read.poses().size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(read.poses()[i].stamp, poses[i].stamp, 1e-6);
+    EXPECT_LT(boxminus(read.poses()[i].T_w_c, poses[i].T_w_c).head<3>().norm(), 1e-8);
+    EXPECT_TRUE(read.poses()[i].T_w_c.translation().isApprox(poses[i].T_w_c.translation(), 1e-8));
+  }
+}
+
+TEST(Trajectory, WritesExactlyEightColumns) {
+  const TemporaryFolder folder;
+  StampedPose identity = poseAt(0.5, kUpright, {-0.0, 1, 2});
+  writeTumTrajectory(folder / "poses.txt", {identity});
+  EXPECT_EQ(bytesOf(folder / "poses.txt"), "# timestamp tx ty tz qx qy qz qw\n0.500000 0 1 2 0 0 0 1\n");
+}
+
+TEST(Trajectory, RefusesToWriteNonFiniteNumbers) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(writeTumTrajectory(folder / "poses.txt", {poseAt(NAN)}), std::invalid_argument);
+  EXPECT_EQ(folder.count(), 0);
+}
+
+TEST(Trajectory, TheNearestPoseWithinTheToleranceCountsInAGap) {
+  const Trajectory trajectory(
+      {poseAt(2, kUpright, {2, 0, 0}), poseAt(1, kUpright, {1, 0, 0}), poseAt(1.1, kUpright, {1.1, 0, 0})});
+  constexpr double kShort = 0.019;  // five of these are less than the gap of 0.1 s
+  EXPECT_EQ(trajectory.at(1.01, kShort)->translation().x(), 1);
+  EXPECT_EQ(trajectory.at(1.09, kShort)->translation().x(), 1.1);
+  EXPECT_EQ(trajectory.at(1.019, kShort)->translation().x(), 1) << "the tolerance is meant in decimals";
+  EXPECT_EQ(trajectory.at(0.99)->translation().x(), 1);
+  EXPECT_EQ(trajectory.at(2.015)->translation().x(), 2);
+  EXPECT_FALSE(trajectory.at(1.05, kShort));
+  EXPECT_FALSE(trajectory.at(0.9));
+  EXPECT_FALSE(trajectory.at(2.1));
+  EXPECT_FALSE(trajectory.at(NAN));
+  EXPECT_EQ(trajectory.at(1.25, 0.17)->translation().x(), 1.1) << "five times 0.17 are less than the gap";
+  EXPECT_NEAR(trajectory.at(1.5, 1)->translation().x(), 1.5, 1e-9);
+  EXPECT_FALSE(Trajectory().at(0));
+}
+
+TEST(Trajectory, BetweenPosesThatAreCloseInTimeTheyAreInterpolated) {
+  const Trajectory trajectory({poseAt(1, kUpright, {1, 0, 0}), poseAt(1.1, kUpright, {1.1, 0, 0})});
+  for (const double stamp : {1.0, 1.01, 1.05, 1.09, 1.1})
+    EXPECT_NEAR(trajectory.at(stamp)->translation().x(), stamp, 1e-9);
+  EXPECT_EQ(trajectory.at(0.985)->translation().x(), 1) << "before the first pose, which is near";
+  EXPECT_FALSE(trajectory.at(1.13));
+}
+
+TEST(Trajectory, ReadsCommentsAndUnorderedLines) {
+  const TemporaryFolder folder;
+  putBytes(folder / "g.txt", "# header\n\n 2 0 0 0 0 0 0 1 # later\r\n+1e0\t0 0 0 0 0 0 -1\n");
+  const Trajectory trajectory = readTrajectory(folder / "g.txt");
+  ASSERT_EQ(trajectory.poses().size(), 2u);
+  EXPECT_EQ(trajectory.poses()[0].stamp, 1);
+  EXPECT_TRUE(trajectory.poses()[0].T_w_c.isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST(Trajectory, AnEmptyFileIsAnEmptyTrajectoryAndNoneIsAFault) {
+  const TemporaryFolder folder;
+  putBytes(folder / "g.txt", "# nothing yet\n");
+  EXPECT_TRUE(readTrajectory(folder / "g.txt").empty());
+  EXPECT_THAT(ioErrorOf([] { readTrajectory("no/such/file.txt"); }), HasSubstr("does not exist"));
+}
+
 constexpr const char* kHeader =
     "frame,rank,model,probability,score,m_tx,m_ty,m_tz,m_qx,m_qy,m_qz,m_qw,"
     "w_tx,w_ty,w_tz,w_qx,w_qy,w_qz,w_qw,sd_rot_deg,sd_trans_m,reason,state,part,not_in_map\n";
@@ -67,7 +162,7 @@ TEST_F(Results, OnlyPosesInTheWorldAreATrajectory) {
   frames[0].rows[0].part = "attic, left";
   frames[0].rows[0].not_in_map = 0.125;
   writeResults(folder_.path(), frames, "");
-  EXPECT_THAT(readTumTrajectory(folder_ / "poses_tum.txt").poses(), IsEmpty());
+  EXPECT_THAT(readTrajectory(folder_ / "poses_tum.txt").poses(), IsEmpty());
   const auto rows = readHypotheses(folder_.path());
   EXPECT_EQ(rows[0].part, "attic, left");
   EXPECT_EQ(rows[0].not_in_map, 0.125);
@@ -86,7 +181,7 @@ TEST_F(Results, EachPartOfTheMapHasATrajectoryOfItsOwn) {
   writeResults(folder_.path(), frames, "");
   const auto stampsIn = [&](const char* name) {
     std::vector<double> stamps;
-    const Trajectory read = readTumTrajectory(folder_ / name);
+    const Trajectory read = readTrajectory(folder_ / name);
     for (const StampedPose& pose : read.poses()) stamps.push_back(pose.stamp);
     return stamps;
   };
@@ -145,7 +240,7 @@ TEST_F(Results, RoundTrip) {
   EXPECT_EQ(timing[0].localize_ms, 3.5);
   EXPECT_EQ(timing[0].models, 140);
 
-  const Trajectory poses = readTumTrajectory(folder_ / "a/b/poses_tum.txt");
+  const Trajectory poses = readTrajectory(folder_ / "a/b/poses_tum.txt");
   ASSERT_EQ(poses.poses().size(), 1u) << "only sure ones of rank 1 with a world pose";
   EXPECT_EQ(poses.poses()[0].stamp, 1.5);
   EXPECT_EQ(bytesOf(folder_ / "a/b/params.ini"), "min_support = 150\n");
@@ -172,7 +267,7 @@ TEST_F(Results, DoubtfulPosesAreNoTrajectory) {
   auto frames = twoFrames();
   for (ResultRow& row : frames[0].rows) row.state = AnswerState::doubtful;
   writeResults(folder_.path(), frames, "");
-  EXPECT_TRUE(readTumTrajectory(folder_ / "poses_tum.txt").poses().empty());
+  EXPECT_TRUE(readTrajectory(folder_ / "poses_tum.txt").poses().empty());
   EXPECT_EQ(readHypotheses(folder_.path())[0].state, AnswerState::doubtful);
   EXPECT_EQ(readCovariances(folder_.path()).size(), 1u);
 }

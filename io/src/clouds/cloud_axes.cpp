@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <numeric>
-#include <vector>
 
 namespace facetloc::internal {
 namespace {

@@ -4,7 +4,6 @@
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/frame_grabber.h>
-#include <facetloc/io/frame_source.h>
 
 #include <condition_variable>
 #include <limits>

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <json/json.h>
-#include <memory>
 #include <poll.h>
 #include <stdexcept>
 #include <unistd.h>

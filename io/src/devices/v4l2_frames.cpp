@@ -17,7 +17,6 @@
 #include <fstream>
 #include <functional>
 #include <linux/videodev2.h>
-#include <memory>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>

@@ -8,9 +8,6 @@
 #include <facetloc/io/error.h>
 #include <facetloc/io/pclzf.h>
 
-#include <algorithm>
-#include <string>
-
 namespace facetloc {
 namespace {
 

@@ -1,20 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/median.h"
 #include "bytes/files.h"
 #include "images/depth_file.h"
-#include "images/value_plausibility.h"
 
 #include <facetloc/io/depth_values.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <fmt/format.h>
+#include <functional>
+#include <initializer_list>
+#include <limits>
+#include <utility>
 
 namespace facetloc {
+
+/** The depth of an image of a sequence whose stored values have been read. */
+class internal::ValueSample {
+public:
+  static DepthImage depth(const DepthSequence& sequence, std::size_t index, Raster<std::uint16_t> values) {
+    return sequence.imageOf(index, storedIn(std::move(values)));
+  }
+};
+
 namespace {
 
 constexpr std::size_t kValues = 65536;
@@ -24,7 +37,7 @@ constexpr std::size_t kLeastDifferent = 20;  // values, of which a divisor says 
 
 using Histogram = std::vector<std::size_t>;
 
-bool isMeasured(std::uint16_t value) { return value != 0 && value != kNotMeasured; }
+bool isDepth(std::uint16_t value) { return value != 0 && value != kNotMeasured; }
 
 std::uint16_t swapped(std::uint16_t value) {
   return static_cast<std::uint16_t>((value >> 8) | ((value & 0xff) << 8));
@@ -39,6 +52,17 @@ double quantile(const Histogram& histogram, double q) {
   return 0;
 }
 
+/** Statistics of the raw values of depth PNGs: of pixels that are measured, and of pairs of neighbours. */
+struct DepthValues {
+  std::size_t count = 0;          ///< number of measured pixels
+  std::size_t different = 0;      ///< number of different values
+  int divisor = 1;                ///< largest number of which 98 % of the values are multiples
+  double neighbours = 0;          ///< median difference of neighbouring pixels that differ
+  double neighbours_swapped = 0;  ///< the same with the two bytes of each value swapped
+  double median = 0;              ///< median of the values
+  Histogram histogram;            ///< number of pixels by value, 65536 entries; empty without any
+};
+
 /** Counts the values of images, and the differences of neighbours. */
 class Counter {
 public:
@@ -47,9 +71,9 @@ public:
       for (int u = 0; u < image.width; ++u) {
         const std::size_t i = static_cast<std::size_t>(v) * image.width + u;
         const std::uint16_t value = image.data[i];
-        if (!isMeasured(value)) continue;
+        if (!isDepth(value)) continue;
         ++values_[value];
-        if (u + 1 == image.width || !isMeasured(image.data[i + 1])) continue;
+        if (u + 1 == image.width || !isDepth(image.data[i + 1])) continue;
         const std::uint16_t next = image.data[i + 1];
         if (next == value) continue;  // as of most neighbours where a camera measures in coarse steps
         ++as_read_[static_cast<std::size_t>(std::abs(next - value))];
@@ -116,21 +140,341 @@ std::optional<Finding> divisorFinding(const DepthValues& values, double depth_sc
   return found;
 }
 
-}  // namespace
+/** Judges values: swapped bytes, shifted bits, 8 bits in place of 16, a wrong depth_scale.
+ * \param depth_scale values per metre */
+Findings valuesFindings(const DepthValues& found, double depth_scale) {
+  constexpr double kFar = 10;                      // [m]
+  constexpr double kManyFar = 0.25;                // share of the pixels
+  constexpr double kLeastMedian = 0.25;            // [m]
+  constexpr double kNoCamera = 0.1, kNoRoom = 30;  // [m] medians of no recording
+  constexpr double k8Bits = 256;
+  Findings all;
+  if (found.count == 0) return all;
+  std::size_t far = 0;
+  for (std::size_t value = 0; value < kValues; ++value)
+    if (static_cast<double>(value) > kFar * depth_scale) far += found.histogram[value];
+  const double share_beyond_10m = static_cast<double>(far) / static_cast<double>(found.count);
+  const double median_depth = found.median / depth_scale;
+  if (haveSwappedBytes(found)) {
+    all.push_back(
+        {"values.bytes",
+         Severity::refusal,
+         fmt::format("the bytes of the PNG values are swapped: neighbouring pixels differ by {:.0f} values, "
+                     "and by {:.0f} with the bytes in the other order",
+                     found.neighbours, found.neighbours_swapped),
+         "PNG is big-endian, write the images anew",
+         {{"neighbours", found.neighbours}, {"neighbours_swapped", found.neighbours_swapped}}});
+    return all;
+  }
+  const bool is_far = share_beyond_10m > kManyFar;
+  const bool is_impossible = median_depth < kNoCamera || median_depth > kNoRoom;
+  if (auto divisor =
+          divisorFinding(found, depth_scale, is_far || is_impossible ? Severity::refusal : Severity::doubt))
+    all.push_back(std::move(*divisor));
+  if (quantile(found.histogram, 0.999) < k8Bits && median_depth > kLeastMedian)
+    all.push_back({"values.bits", Severity::doubt,
+                   "all PNG values are below 256: depths have been cut down to 8 bits",
+                   "take the original ones"});
+  const auto scale = [&](std::string words) {
+    all.push_back({"values.scale",
+                   is_impossible ? Severity::refusal : Severity::doubt,
+                   std::move(words) + ": is depth_scale right? (--depth-scale tries another one)",
+                   "",
+                   {{"median_depth", median_depth}, {"share_beyond_10m", share_beyond_10m}}});
+  };
+  if (median_depth < kLeastMedian)
+    scale(fmt::format("half of the depths are below {:.2f} m, nearer than depth cameras measure",
+                      median_depth));
+  else if (is_far)
+    scale(fmt::format("{:.0f} % of the depths are beyond 10 m, farther than depth cameras measure",
+                      100 * share_beyond_10m));
+  return all;
+}
 
-DepthValues depthValues(const DepthSequence& sequence) {
-  Counter counter;
-  for (const std::size_t index : internal::valueSample(sequence)) {
-    const auto& path = sequence.frames()[index].path;
-    if (!internal::isPng(path) || !std::filesystem::is_regular_file(path)) continue;  // a pipe is read once
+constexpr std::size_t kMostImages = 16;
+constexpr std::size_t kLeastImages = 3;    // that have to agree
+constexpr std::size_t kLeastPixels = 100;  // measured pixels of an image that is judged
+
+/** Do the values reach the largest one of an integer format, or 1, and come close to it before? */
+template <typename Value>
+bool isStretched(const std::vector<Value>& values, std::initializer_list<Value> limits) {
+  constexpr double kClose = 0.9;
+  Value largest = 0, next = 0;
+  for (const Value value : values)
+    if (value > largest)
+      next = std::exchange(largest, value);
+    else if (value > next && value < largest)
+      next = value;
+  return std::find(limits.begin(), limits.end(), largest) != limits.end() && next >= kClose * largest;
+}
+
+/** An image for findings on its values. */
+struct ValueImage {
+  DepthImage depth;        ///< as stored, at the working width, without max_depth
+  bool stretched = false;  ///< to the range of its format
+  std::vector<float> measured;
+};
+
+ValueImage valueImage(const DepthImage& depth) {
+  ValueImage image;
+  image.depth = workingImage(depth);
+  for (const float z : image.depth.depth)
+    if (isMeasured(z)) image.measured.push_back(z);
+  return image;
+}
+
+bool hasOneValue(const ValueImage& image) {
+  const auto [least, most] = std::minmax_element(image.measured.begin(), image.measured.end());
+  return *least == *most;
+}
+
+void checkSingle(const std::vector<ValueImage>& images, Findings& found) {
+  const auto n = static_cast<std::size_t>(std::count_if(images.begin(), images.end(), hasOneValue));
+  if (n == 0) return;
+  found.push_back(
+      {"values.single",
+       n == images.size() ? Severity::refusal : Severity::doubt,
+       fmt::format("{} of {} images have one value in all their pixels, {:.3f} m in the first", n,
+                   images.size(), std::find_if(images.begin(), images.end(), hasOneValue)->measured.front()),
+       "such images show nothing; leave them out",
+       {{"single", static_cast<double>(n)}, {"images", static_cast<double>(images.size())}}});
+}
+
+/** The noise of a camera never repeats. */
+void checkFrozen(const std::vector<ValueImage>& images, Findings& found) {
+  std::size_t again = 0, judged = 0;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (hasOneValue(images[i])) continue;
+    ++judged;
+    again += std::any_of(images.begin(), images.begin() + static_cast<std::ptrdiff_t>(i),
+                         [&](const ValueImage& other) { return other.depth.depth == images[i].depth.depth; });
+  }
+  if (again == 0) return;
+  found.push_back(
+      {"values.frozen",
+       2 * again >= judged ? Severity::doubt : Severity::note,
+       fmt::format("{} of {} images repeat an earlier one in every pixel: the recording stood still", again,
+                   judged),
+       "leave the repeated images out",
+       {{"repeated", static_cast<double>(again)}, {"images", static_cast<double>(judged)}}});
+}
+
+bool checkStretched(const std::vector<ValueImage>& images, Findings& found) {
+  const auto n = static_cast<std::size_t>(
+      std::count_if(images.begin(), images.end(), [](const ValueImage& image) { return image.stretched; }));
+  if (n < kLeastImages || 10 * n < 9 * images.size()) return false;
+  found.push_back(
+      {"values.stretched",
+       Severity::refusal,
+       fmt::format("each image is stretched to the range of its format: {} of {} reach its largest "
+                   "value, so that the scale is another one in each",
+                   n, images.size()),
+       "save the images anew with one scale for all",
+       {{"stretched", static_cast<double>(n)}, {"images", static_cast<double>(images.size())}}});
+  return true;
+}
+
+/** All measured depths, sorted. */
+std::vector<float> sortedDepths(const std::vector<ValueImage>& images) {
+  std::vector<float> all;
+  for (const ValueImage& image : images) all.insert(all.end(), image.measured.begin(), image.measured.end());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+double quantile(const std::vector<float>& sorted, double q) {
+  return sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))];
+}
+
+bool checkBuffer(const std::vector<float>& sorted, Findings& found) {
+  constexpr double kUsual = 0.9, kNearest = 0.5, kFarthest = 0.98;  // buffer values
+  const double median = quantile(sorted, 0.5);
+  if (sorted.back() > 1 || sorted.back() < kFarthest || median < kUsual || quantile(sorted, 0.01) < kNearest)
+    return false;
+  found.push_back(
+      {"values.buffer",
+       Severity::doubt,
+       fmt::format(
+           "all depths are between 0 and 1, half of them above {:.3f}: they seem to be the depth buffer "
+           "of a renderer (OpenGL), not metres",
+           median),
+       "depth = near * far / (far - value * (far - near)), with the renderer's clipping planes, are metres",
+       {{"median", median}, {"largest", sorted.back()}}});
+  return true;
+}
+
+/** Medians of z z'' / (2 z'^2) along rows of each image: 1 on planes, whose inverse depth is linear in the
+ * image; 0 for disparities; negative for a constant minus the depth. */
+std::vector<double> curvatures(const std::vector<ValueImage>& images) {
+  constexpr int kSpans = 40, kStep = 3;                // spans per width; pixels between rows
+  constexpr double kLeastSlope = 0.2, kMostSlope = 1;  // change over five pixels, by the depth
+  constexpr double kSteady = 2;                        // ratio of neighbouring changes
+  constexpr std::size_t kLeast = 20;
+  std::vector<double> medians;
+  for (const ValueImage& image : images) {
+    const Intrinsics& camera = image.depth.camera;
+    const int span = std::max(2, camera.width / kSpans);
+    std::vector<double> found;
+    for (int v = 0; v < camera.height; v += kStep)
+      for (int u = 0; u + 4 * span < camera.width; u += kStep) {
+        double z[5];
+        bool measured = true;
+        for (int i = 0; i < 5; ++i) {
+          z[i] = image.depth.at(u + i * span, v);
+          measured = measured && isMeasured(static_cast<float>(z[i]));
+        }
+        const double change = z[4] - z[0], slope = std::abs(change) / z[2];
+        if (!measured || slope < kLeastSlope || slope > kMostSlope) continue;
+        bool steady = true;
+        for (int i = 0; i < 4; ++i) {
+          const double part = 4 * (z[i + 1] - z[i]) / change;
+          steady = steady && part > 1 / kSteady && part < kSteady;
+        }
+        if (steady) found.push_back(2 * z[2] * (z[4] - 2 * z[2] + z[0]) / (change * change));
+      }
+    if (found.size() >= kLeast) medians.push_back(internal::median(std::move(found)));
+  }
+  return medians;
+}
+
+void checkInverted(const std::vector<ValueImage>& images, Findings& found) {
+  constexpr std::size_t kEnough = 6;  // images
+  constexpr double kCertain = 5;      // standard deviations
+  const std::vector<double> all = curvatures(images);
+  if (all.size() < kEnough) return;
+  const auto n = static_cast<double>(all.size());
+  double mean = 0, squares = 0;
+  for (const double c : all) mean += c / n;
+  for (const double c : all) squares += (c - mean) * (c - mean);
+  const double std = std::sqrt(squares / (n * (n - 1)));
+  if (!(mean < -kCertain * std)) return;
+  found.push_back(
+      {"values.inverted",
+       Severity::doubt,
+       "surfaces are bent as if depths were stored as a constant minus the depth, larger where it is "
+       "nearer",
+       "subtract them from that constant",
+       {{"curvature", mean, std}, {"images", n}}});
+}
+
+/** A limit that many pixels have exactly, nothing exceeds, and few come near to. */
+struct Limit {
+  float value = 0;
+  double share = 0;  // share of the measured pixels
+};
+
+std::optional<Limit> limitOf(const std::vector<ValueImage>& images, const std::vector<float>& sorted,
+                             bool largest) {
+  constexpr double kLeastShare = 0.02, kSpike = 5;
+  constexpr float kNear = 0.8F;  // ratio of depths
+  const float limit = largest ? sorted.back() : sorted.front();
+  std::size_t reached = 0;
+  for (const ValueImage& image : images)
+    reached += limit == (largest ? *std::max_element(image.measured.begin(), image.measured.end())
+                                 : *std::min_element(image.measured.begin(), image.measured.end()));
+  const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), limit);
+  const double count = static_cast<double>(last - first), share = count / static_cast<double>(sorted.size());
+  if (reached < kLeastImages || 2 * reached < images.size() || share < kLeastShare) return {};
+  const auto from = largest ? std::lower_bound(sorted.begin(), sorted.end(), kNear * limit) : last;
+  const auto to = largest ? first : std::upper_bound(sorted.begin(), sorted.end(), limit / kNear);
+  for (auto level = from; level < to;) {
+    const auto next = std::upper_bound(level, to, *level);
+    if (kSpike * static_cast<double>(next - level) > count) return {};
+    level = next;
+  }
+  return Limit{limit, share};
+}
+
+void checkLimits(const std::vector<ValueImage>& images, const std::vector<float>& sorted, double max_depth,
+                 Findings& found) {
+  constexpr double kBelow = 0.999;
+  for (const bool largest : {true, false}) {
+    const auto limit = limitOf(images, sorted, largest);
+    if (!limit || limit->value > max_depth) continue;
+    found.push_back(
+        {"values.limit",
+         Severity::doubt,
+         fmt::format(
+             "{:.0f} % of the measured pixels have exactly the {} depth, {:.3f} m: they were out of range, "
+             "and not measured",
+             100 * limit->share, largest ? "largest" : "smallest", limit->value),
+         largest ? fmt::format("max_depth={:.3f} in camera.ini leaves them out", kBelow * limit->value)
+                 : std::string("write 0 in their place"),
+         {{"share", limit->share}, {"depth_m", limit->value}}});
+  }
+}
+
+/** Findings on the depths, whatever their format, that no calibration explains: one value everywhere, the
+ * same image again, images stretched to the range of their format, depth buffers, depths that grow towards
+ * the camera, and limits stored as depths. */
+Findings judged(const std::vector<ValueImage>& images, double max_depth) {
+  Findings found;
+  if (images.empty()) return found;
+  checkSingle(images, found);
+  if (firstOf(found, Severity::refusal)) return found;
+  checkFrozen(images, found);
+  if (checkStretched(images, found)) return found;
+  const std::vector<float> sorted = sortedDepths(images);
+  if (checkBuffer(sorted, found)) return found;
+  checkInverted(images, found);
+  checkLimits(images, sorted, max_depth, found);
+  return found;
+}
+
+/** The numbers of up to 16 images of a sequence, in its order. */
+std::vector<std::size_t> valueSample(const DepthSequence& sequence) {
+  const std::size_t all = sequence.frames().size();
+  std::vector<std::size_t> numbers(std::min(all, kMostImages));
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = i * all / numbers.size();
+  return numbers;
+}
+
+/** \param take receives the values of a PNG */
+ValueImage readImage(const DepthSequence& sequence, std::size_t index,
+                     const std::function<void(const Raster<std::uint16_t>&)>& take) {
+  const auto& path = sequence.frames()[index].path;
+  if (!internal::isPng(path)) {
+    const DepthImage depth = sequence.load(index);
+    ValueImage image = valueImage(depth);
+    image.stretched = isStretched<float>(depth.depth, {1.0F});
+    return image;
+  }
+  constexpr int kBits = 16;
+  Raster<std::uint16_t> values = readGreyPng(path, kBits);
+  take(values);
+  const bool stretched = isStretched<std::uint16_t>(values.data, {255, 65535});
+  ValueImage image = valueImage(internal::ValueSample::depth(sequence, index, std::move(values)));
+  image.stretched = stretched;
+  return image;
+}
+
+/** Up to 16 images of a sequence, each read once for all findings on their values; those that cannot be read
+ * are left out. \param take receives the values of each PNG */
+std::vector<ValueImage> sampledImages(const DepthSequence& sequence,
+                                      const std::function<void(const Raster<std::uint16_t>&)>& take) {
+  std::vector<ValueImage> images;
+  if (sequence.ofSegments()) return images;
+  for (const std::size_t index : valueSample(sequence)) {
+    if (!std::filesystem::is_regular_file(sequence.frames()[index].path)) continue;  // a pipe is read once
     try {
-      constexpr int kBits = 16;
-      counter.add(readGreyPng(path, kBits));
-    } catch (const IoError&) {  // the image is named when it is read as one
+      ValueImage image = readImage(sequence, index, take);
+      if (image.measured.size() >= kLeastPixels) images.push_back(std::move(image));
+    } catch (const std::exception&) {  // the image is named when it is read for its content
     }
   }
-  return std::move(counter).result();
+  return images;
 }
+
+/** The same findings on images that are in memory, whose format is not known. */
+Findings valueFindings(const std::vector<DepthImage>& images, double max_depth) {
+  std::vector<ValueImage> values;
+  for (const DepthImage& image : images)
+    if (ValueImage value = valueImage(image); value.measured.size() >= kLeastPixels)
+      values.push_back(std::move(value));
+  return judged(values, max_depth);
+}
+
+}  // namespace
 
 std::optional<Finding> opticsFinding(const Intrinsics& camera) {
   constexpr double kMostTangent = 3.73;  // tangent of half the field of view
@@ -161,73 +505,21 @@ std::optional<Finding> opticsFinding(const Intrinsics& camera) {
       {{"cx", camera.cx}, {"cy", camera.cy}}};
 }
 
-ValueCheck checkValues(DepthValues values, double depth_scale) {
-  constexpr double kFar = 10;                      // [m]
-  constexpr double kManyFar = 0.25;                // share of the pixels
-  constexpr double kLeastMedian = 0.25;            // [m]
-  constexpr double kNoCamera = 0.1, kNoRoom = 30;  // [m] medians of no recording
-  constexpr double k8Bits = 256;
-  ValueCheck check;
-  check.values = std::move(values);
-  const DepthValues& found = check.values;
-  if (found.count == 0) return check;
-  std::size_t far = 0;
-  for (std::size_t value = 0; value < kValues; ++value)
-    if (static_cast<double>(value) > kFar * depth_scale) far += found.histogram[value];
-  check.share_beyond_10m = static_cast<double>(far) / static_cast<double>(found.count);
-  check.median_depth = found.median / depth_scale;
-  if (haveSwappedBytes(found)) {
-    check.findings.push_back(
-        {"values.bytes",
-         Severity::refusal,
-         fmt::format("the bytes of the PNG values are swapped: neighbouring pixels differ by {:.0f} values, "
-                     "and by {:.0f} with the bytes in the other order",
-                     found.neighbours, found.neighbours_swapped),
-         "PNG is big-endian, write the images anew",
-         {{"neighbours", found.neighbours}, {"neighbours_swapped", found.neighbours_swapped}}});
-    return check;
-  }
-  const bool is_far = check.share_beyond_10m > kManyFar;
-  const bool is_impossible = check.median_depth < kNoCamera || check.median_depth > kNoRoom;
-  if (auto divisor =
-          divisorFinding(found, depth_scale, is_far || is_impossible ? Severity::refusal : Severity::doubt))
-    check.findings.push_back(std::move(*divisor));
-  if (quantile(found.histogram, 0.999) < k8Bits && check.median_depth > kLeastMedian)
-    check.findings.push_back({"values.bits", Severity::doubt,
-                              "all PNG values are below 256: depths have been cut down to 8 bits",
-                              "take the original ones"});
-  const auto scale = [&](std::string words) {
-    check.findings.push_back(
-        {"values.scale",
-         is_impossible ? Severity::refusal : Severity::doubt,
-         std::move(words) + ": is depth_scale right? (--depth-scale tries another one)",
-         "",
-         {{"median_depth", check.median_depth}, {"share_beyond_10m", check.share_beyond_10m}}});
-  };
-  if (check.median_depth < kLeastMedian)
-    scale(fmt::format("half of the depths are below {:.2f} m, nearer than depth cameras measure",
-                      check.median_depth));
-  else if (is_far)
-    scale(fmt::format("{:.0f} % of the depths are beyond 10 m, farther than depth cameras measure",
-                      100 * check.share_beyond_10m));
-  return check;
-}
-
 Findings depthFindings(const std::vector<DepthImage>& images, double max_depth) {
   constexpr double kMillimetres = 1000, kLargest = kNotMeasured - 1;
   Counter counter;
   for (const DepthImage& image : images) {
     Raster<std::uint16_t> values{image.camera.width, image.camera.height, 1, {}};
     for (const float z : image.depth)
-      values.data.push_back(facetloc::isMeasured(z) ? static_cast<std::uint16_t>(
-                                                          std::lround(std::min(kMillimetres * z, kLargest)))
-                                                    : std::uint16_t{0});
+      values.data.push_back(
+          isMeasured(z) ? static_cast<std::uint16_t>(std::lround(std::min(kMillimetres * z, kLargest)))
+                        : std::uint16_t{0});
     counter.add(values);
   }
   Findings all;
-  for (Finding& finding : checkValues(std::move(counter).result(), kMillimetres).findings)
+  for (Finding& finding : valuesFindings(std::move(counter).result(), kMillimetres))
     if (finding.id == "values.scale") all.push_back(std::move(finding));
-  append(internal::valueFindings(images, max_depth), all);
+  append(valueFindings(images, max_depth), all);
   return all;
 }
 
@@ -236,13 +528,15 @@ Findings readingFindings(const DepthSequence& sequence) {
   for (const std::string& remark : sequence.remarks())
     all.push_back({"reading.remark", Severity::note, remark, ""});
   Counter counter;
-  const internal::ValueSample sample(
-      sequence, [&counter](const Raster<std::uint16_t>& values) { counter.add(values); });
+  const std::vector<ValueImage> images =
+      sampledImages(sequence, [&counter](const Raster<std::uint16_t>& values) { counter.add(values); });
+  double max_depth = std::numeric_limits<double>::infinity();
   if (const auto& file = sequence.camera()) {
+    max_depth = file->camera.max_depth;
     if (auto optics = opticsFinding(file->camera.intrinsics)) all.push_back(std::move(*optics));
-    append(checkValues(std::move(counter).result(), file->depth_scale).findings, all);
+    append(valuesFindings(std::move(counter).result(), file->depth_scale), all);
   }
-  if (!firstOf(all, Severity::refusal)) append(sample.findings(), all);
+  if (!firstOf(all, Severity::refusal)) append(judged(images, max_depth), all);
   return all;
 }
 

@@ -11,7 +11,6 @@
 #include <set>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 namespace facetloc {
 

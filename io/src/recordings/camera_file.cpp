@@ -12,9 +12,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <map>
-#include <optional>
 #include <stdexcept>
-#include <string>
 
 namespace facetloc {
 namespace {

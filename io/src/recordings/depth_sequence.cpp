@@ -9,8 +9,6 @@
 #include "recordings/pose_table.h"
 #include "recordings/recording_layout.h"
 
-#include <facetloc/features/depth_image.h>
-#include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/png.h>

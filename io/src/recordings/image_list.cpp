@@ -2,7 +2,6 @@
 #include "recordings/image_list.h"
 
 #include "base/text.h"
-#include "bytes/files.h"
 #include "images/depth_file.h"
 #include "recordings/name_numbers.h"
 #include "recordings/pose_table.h"

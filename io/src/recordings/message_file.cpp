@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/message_file.h"
 
-#include "bytes/files.h"
 #include "bytes/yaml_entries.h"
 #include "recordings/image_list.h"
-#include "recordings/ros_messages.h"
-
-#include <facetloc/io/error.h>
 
 #include <algorithm>
-#include <fmt/format.h>
 #include <system_error>
 
 namespace facetloc::internal {

@@ -12,14 +12,11 @@
 #include <Eigen/SVD>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
 #include <stdexcept>
-#include <string>
-#include <vector>
 
 namespace facetloc::internal {
 namespace {

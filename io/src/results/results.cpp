@@ -3,7 +3,6 @@
 #include "bytes/csv.h"
 #include "results/pose_columns.h"
 
-#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
 
@@ -12,7 +11,6 @@
 #include <cctype>
 #include <cmath>
 #include <fmt/format.h>
-#include <optional>
 #include <stdexcept>
 
 namespace facetloc {

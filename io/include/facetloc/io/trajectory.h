@@ -34,9 +34,11 @@ public:
   std::optional<Eigen::Isometry3d> interpolated(double stamp) const;
 
 private:
+  using Poses = std::vector<StampedPose>;
+  Poses::const_iterator notBefore(double stamp) const;
   std::optional<Eigen::Isometry3d> nearest(double stamp, double tolerance) const;
 
-  std::vector<StampedPose> poses_;
+  Poses poses_;
 };
 
 /** \brief Reads poses with time stamps in common forms: the TUM format with blanks, commas or
@@ -46,10 +48,6 @@ private:
  * \param remark receives assumptions and omissions, or nothing */
 Trajectory readTrajectory(const std::filesystem::path& path, std::string* remark = nullptr);
 
-/** \brief Reads the TUM format as facetloc writes it, strictly: `stamp tx ty tz qx qy qz qw`, # starts a
- * comment. Throws IoError with the line number for a malformed line, a value that is not finite or a
- * quaternion that is no rotation. */
-Trajectory readTumTrajectory(const std::filesystem::path& path);
 /** \brief Writes the TUM format: a header line, stamps with 6 decimals, exactly 8 columns, no trailing space.
  */
 void writeTumTrajectory(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
