@@ -65,12 +65,33 @@
     return normal.normalize().negate();
   }
 
-  // Upright segments have the hue of their direction; the more level, the greyer.
+  const poseOf = (pose) => new THREE.Matrix4().compose(
+      new THREE.Vector3(pose[0], pose[1], pose[2]), new THREE.Quaternion(pose[3], pose[4], pose[5], pose[6]), new THREE.Vector3(1, 1, 1));
+  const placeOf = (pose) => new THREE.Vector3(pose[0], pose[1], pose[2]);
+  // Where nearly everything is: a few segments far outside, as through windows, do not count, and are drawn lightly.
+  const box = new THREE.Box3();
+  for (const axis of ['x', 'y', 'z']) {
+    const values = segments.flatMap(({corners}) => corners.map((p) => p.clone().applyMatrix4(world.matrix)[axis])).sort((a, b) => a - b);
+    if (!values.length) continue;
+    box.min[axis] = values[Math.floor(0.02 * (values.length - 1))];
+    box.max[axis] = values[Math.ceil(0.98 * (values.length - 1))];
+  }
+  for (const model of models) box.expandByPoint(placeOf(model.pose).applyMatrix4(world.matrix));
+  for (const segment of segments) {
+    segment.normal = normalOf(segment.corners);
+    segment.colour = directionColour(segment.normal);
+    segment.upright = Math.abs(segment.normal.clone().transformDirection(world.matrix).z) < Math.SQRT1_2;
+    segment.outside = !box.intersectsBox(new THREE.Box3().setFromPoints(segment.corners.map((p) => p.clone().applyMatrix4(world.matrix))));
+  }
+  const extent = Math.max(box.getSize(new THREE.Vector3()).length(), 0.5);
+  const glyph = Math.min(0.28, Math.max(0.012 * extent, 0.03));  // length of a camera [m]
+
+  // Upright segments have the hue of their direction, from blue to orange, without the green of answers; the more level, the greyer.
   function directionColour(normal) {
     const n = normal.clone().transformDirection(world.matrix);
-    const hue = (Math.atan2(n.y, n.x) / (2 * Math.PI) + 1.08) % 1;
+    const hue = (0.83 + 0.25 * Math.sin(Math.atan2(n.y, n.x) + Math.PI / 8)) % 1;
     const upright = Math.sqrt(Math.max(0, 1 - n.z * n.z));
-    return new THREE.Color().setHSL(hue, 0.42 * upright, (dark ? 0.46 : 0.60) + (dark ? 0.10 : 0.20) * n.z * (1 - upright) + 0.05 * n.x * upright);
+    return new THREE.Color().setHSL(hue, 0.24 * upright, (dark ? 0.46 : 0.60) + (dark ? -0.16 : 0.26) * n.z * (1 - upright) + 0.05 * n.x * upright);
   }
 
   function meshOf(positions, colours, side) {
@@ -84,26 +105,39 @@
     return new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({color: colour, transparent: opacity < 1, opacity: opacity}));
   }
 
-  const owners = [];  // the segment of each triangle
-  function segmentMesh() {
-    const positions = [], colours = [];
+  /** sidesOf(segment): whether its front, which the camera saw, and its back are in the mesh. */
+  function segmentMesh(sidesOf) {
+    const positions = [], colours = [], owners = [];  // the segment of each triangle
+    const add = (segment, ...triangle) => {
+      for (const p of triangle) {
+        positions.push(p.x, p.y, p.z);
+        colours.push(segment.colour.r, segment.colour.g, segment.colour.b);
+      }
+      owners.push(segment);
+    };
     for (const segment of segments) {
-      const hull = segment.corners;
-      segment.colour = directionColour(segment.normal = normalOf(hull));
-      for (let i = 1; i + 1 < hull.length; ++i) {  // seen from the camera, so that walls hide nothing from outside
-        for (const p of [hull[0], hull[i + 1], hull[i]]) {
-          positions.push(p.x, p.y, p.z);
-          colours.push(segment.colour.r, segment.colour.g, segment.colour.b);
-        }
-        owners.push(segment);
+      const hull = segment.corners, [front, back] = sidesOf(segment);
+      for (let i = 1; i + 1 < hull.length; ++i) {
+        if (front) add(segment, hull[0], hull[i + 1], hull[i]);
+        if (back) add(segment, hull[0], hull[i], hull[i + 1]);
       }
     }
-    return meshOf(positions, colours, THREE.FrontSide);
+    return Object.assign(meshOf(positions, colours, THREE.FrontSide), {owners});
   }
-  // Outlines show from the side that the camera saw, as the segments do.
+  /** Light over all that is behind it. Its depth comes first, and each pixel is drawn once, so that of several layers one shows. */
+  function lightened(mesh) {
+    const depth = new THREE.Mesh(mesh.geometry, new THREE.MeshBasicMaterial({colorWrite: false, transparent: true}));
+    Object.assign(mesh.material, {
+      transparent: true, opacity: 0.3, stencilWrite: true, stencilRef: 1, stencilFunc: THREE.NotEqualStencilFunc, stencilZPass: THREE.ReplaceStencilOp
+    });
+    depth.renderOrder = 1;
+    mesh.renderOrder = 2;
+    return [depth, mesh];
+  }
+  // Upright segments have outlines on the side that the camera saw; those of floors would be a tangle.
   function outlineLines() {
     const positions = [], facing = [];
-    for (const {corners: hull, normal: n} of segments)
+    for (const {corners: hull, normal: n} of segments.filter((segment) => segment.upright && !segment.outside))
       for (let i = 0; i < hull.length; ++i)
         for (const p of [hull[i], hull[(i + 1) % hull.length]]) {
           positions.push(p.x, p.y, p.z);
@@ -125,21 +159,6 @@
         void main() { if (front < 0.0) discard; gl_FragColor = colour; }`
     }));
   }
-
-  const poseOf = (pose) => new THREE.Matrix4().compose(
-      new THREE.Vector3(pose[0], pose[1], pose[2]), new THREE.Quaternion(pose[3], pose[4], pose[5], pose[6]), new THREE.Vector3(1, 1, 1));
-  const placeOf = (pose) => new THREE.Vector3(pose[0], pose[1], pose[2]);
-  // Where nearly everything is: a few segments far outside, as through windows, do not count.
-  const box = new THREE.Box3();
-  for (const axis of ['x', 'y', 'z']) {
-    const values = segments.map(({corners: hull}) => hull[0].clone().applyMatrix4(world.matrix)[axis]).sort((a, b) => a - b);
-    if (!values.length) continue;
-    box.min[axis] = values[Math.floor(0.02 * (values.length - 1))];
-    box.max[axis] = values[Math.ceil(0.98 * (values.length - 1))];
-  }
-  for (const model of models) box.expandByPoint(placeOf(model.pose).applyMatrix4(world.matrix));
-  const extent = Math.max(box.getSize(new THREE.Vector3()).length(), 0.5);
-  const glyph = Math.min(0.28, Math.max(0.012 * extent, 0.03));  // length of a camera [m]
 
   function addCamera(pose, colour, size, positions, colours) {
     const T = poseOf(pose), x = 0.62 * size, y = 0.46 * size, z = size;
@@ -171,16 +190,81 @@
   const scaled = (axes, factor) => axes.map((a) => factor * a);
   const ball = (radius) => [radius, 0, 0, 0, radius, 0, 0, 0, radius];
 
+  /** The measured depths of the local models, each in the colour of its height. */
+  function pointsLayer() {
+    const group = new THREE.Group();
+    group.fill = () => {
+      const positions = [], colours = [], [fx, fy, cx, cy] = data.camera;
+      for (const model of models) {
+        if (!model.points) continue;
+        const {columns, step, inverse} = model.points, T = poseOf(model.pose);
+        new Uint16Array(bytesOf(inverse).buffer).forEach((q, k) => {
+          if (!q) return;
+          const z = data.inverse_quantum / q, u = (k % columns) * step, v = Math.floor(k / columns) * step / data.shape;
+          const p = new THREE.Vector3((u - cx) / fx * z, (v - cy) / fy * z, z).applyMatrix4(T);
+          const share = (p.clone().applyMatrix4(world.matrix).z - box.min.z) / Math.max(box.max.z - box.min.z, 0.1);
+          const colour = new THREE.Color().setHSL(0.62 - 0.5 * Math.min(1, Math.max(0, share)), 0.55, dark ? 0.62 : 0.42);
+          positions.push(p.x, p.y, p.z);
+          colours.push(colour.r, colour.g, colour.b);
+        });
+      }
+      const {geometry} = meshOf(positions, colours, THREE.FrontSide);
+      group.add(new THREE.Points(geometry, new THREE.PointsMaterial({vertexColors: THREE.VertexColors, size: 1.6, sizeAttenuation: false})));
+    };
+    return group;
+  }
+
+  const roundLength = (length) => {  // the largest of 1, 2, 5, 10, ... that does not exceed it
+    const power = Math.pow(10, Math.floor(Math.log10(length)));
+    return Number(([5, 2].find((f) => f * power <= length) * power || power).toPrecision(1));
+  };
+  /** Level lines on the floor, and the axes of the map at their corner that is nearest at first. */
+  function gridLayer(step) {
+    const group = new THREE.Group(), points = [], back = bestView();
+    const low = box.min.clone().divideScalar(step).floor(), high = box.max.clone().divideScalar(step).ceil();
+    const z = box.min.z - 0.002 * extent;  // below the floor, which shows
+    const at = (x, y) => points.push(new THREE.Vector3(x * step, y * step, z));
+    for (let x = low.x; x <= high.x; ++x) at(x, low.y), at(x, high.y);
+    for (let y = low.y; y <= high.y; ++y) at(low.x, y), at(high.x, y);
+    group.add(linesOf(points, dark ? '#3a404b' : '#c6cbd4', 1));
+    const letters = [[[0, 0, 1, 1], [1, 0, 0, 1]], [[0, 0, 0.5, 0.5], [1, 0, 0, 1]], [[0, 0, 1, 0], [1, 0, 0, 1], [0, 1, 1, 1]]];
+    letters.forEach((strokes, i) => {  // x, y and z, in no font
+      const axis = new THREE.Vector3().setComponent(i, 1).transformDirection(world.matrix), colour = ['#d62728', '#2ca02c', '#1f77b4'][i];
+      const corner = new THREE.Vector3((back.x < 0 ? low : high).x * step, (back.y < 0 ? low : high).y * step, z);
+      group.add(new THREE.ArrowHelper(axis, corner, step, colour, 0.25 * step, 0.12 * step));
+      const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
+      canvas.width = canvas.height = 64;
+      context.lineWidth = 9;
+      context.strokeStyle = colour;
+      for (const [x0, y0, x1, y1] of strokes) {
+        context.moveTo(16 + 32 * x0, 14 + 36 * y0);
+        context.lineTo(16 + 32 * x1, 14 + 36 * y1);
+      }
+      context.stroke();
+      const label = new THREE.Sprite(new THREE.SpriteMaterial({map: new THREE.CanvasTexture(canvas), sizeAttenuation: false}));
+      label.scale.setScalar(0.026);
+      label.position.copy(corner).addScaledVector(axis, 1.2 * step);
+      group.add(label);
+    });
+    scene.add(group);  // whose z is up
+    return group;
+  }
+
   const layers = {};
   function addLayer(name, words, object, visible, key) {
     layers[name] = object;
     object.visible = visible;
-    world.add(object);
+    if (!object.parent) world.add(object);
     const label = document.createElement('label'), input = document.createElement('input');
     input.type = 'checkbox';
     input.checked = visible;
     input.id = 'layer-' + name;
-    input.addEventListener('change', () => { object.visible = input.checked; draw(); });
+    input.addEventListener('change', () => {
+      if (object.fill) object.fill();
+      object.fill = null;
+      object.visible = input.checked;
+      draw();
+    });
     label.append(input);
     for (const colour of key || []) {
       const dot = document.createElement('span');
@@ -192,10 +276,15 @@
     byId('layers').append(label);
   }
 
-  const surface = new THREE.Group(), surfaces = segmentMesh();
-  surface.add(surfaces);
+  const surface = new THREE.Group();
+  const surfaces = segmentMesh((s) => [!s.outside, false]), backs = segmentMesh((s) => [s.outside, s.upright]);
+  surface.add(surfaces, ...lightened(backs));
   if (segments.length < 20000) surface.add(outlineLines());
   addLayer('segments', 'segments', surface, true);
+  if (models.some((m) => m.points)) addLayer('points', 'points', pointsLayer(), false);
+  const step = roundLength(extent / 10);
+  const grid = gridLayer(step);
+  addLayer('grid', 'grid of ' + step + ' m', grid, true);
   const colourOf = (model) => model.own ? OWN_COLOURS[model.own.verdict] : COLOURS.model;
   const asked = models.some((m) => m.own);
   addLayer('models', 'local models', camerasOf(models.map((m) => ({pose: m.pose, colour: colourOf(m), size: glyph}))), answers.length === 0, asked ? [] : [COLOURS.model]);
@@ -229,18 +318,19 @@
   const counts = {sure: 0, doubtful: 0, wrong: 0, unknown: 0};
   for (const answer of answers) ++counts[verdictOf(answer)];
   if (answers.length) {
-    const group = new THREE.Group();
-    const cameras = [];
-    for (const answer of answers) {
-      if (!answer.places.length) continue;
+    const group = new THREE.Group(), placed = answers.filter((answer) => answer.places.length);
+    const isSure = (answer) => answer.state === 'sure';
+    const cameraOf = (answer) => {
       const verdict = verdictOf(answer);
-      cameras.push({pose: answer.places[0].pose, colour: COLOURS[verdict], size: glyph * (verdict === 'wrong' ? 1.5 : 1)});
-    }
-    group.add(camerasOf(cameras));
+      return {pose: answer.places[0].pose, colour: COLOURS[verdict], size: glyph * (verdict === 'wrong' ? 1.5 : 1)};
+    };
+    const light = camerasOf(placed.filter((answer) => !isSure(answer)).map(cameraOf));
+    Object.assign(light.material, {transparent: true, opacity: 0.35});
+    group.add(camerasOf(placed.filter(isSure).map(cameraOf)), light);
     addLayer('answers', 'answers', group, true);
     const clouds = new THREE.Group();
-    for (const answer of answers)
-      if (answer.places.length && answer.axes && verdictOf(answer) !== 'doubtful')
+    for (const answer of placed)
+      if (answer.axes && isSure(answer))
         clouds.add(ellipsoid(placeOf(answer.places[0].pose), scaled(answer.axes, ELLIPSOID), COLOURS[verdictOf(answer)], 0.25));
     addLayer('ellipsoids', '95 % ellipsoids', clouds, true);
   }
@@ -248,27 +338,59 @@
   world.add(chosen);
 
   // ---- the view ----
+  /** The direction to the eye from which most upright area shows the side that the camera saw. */
+  function bestView() {
+    const seen = (back) => segments.reduce((sum, s) => sum + (s.upright ? areaOf(s.corners) * Math.max(0, s.normal.clone().transformDirection(world.matrix).dot(back)) : 0), 0);
+    const views = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => new THREE.Vector3(-0.35, -0.62, 0.78).normalize().applyAxisAngle(camera.up, k * Math.PI / 4));
+    return views.map((back) => [seen(back), back]).reduce((best, next) => next[0] > 1.01 * best[0] ? next : best)[1];
+  }
+  /** Everything fills what the panes leave free. */
   function fit() {
-    const target = box.getCenter(new THREE.Vector3()), size = box.getSize(new THREE.Vector3());
-    const narrow = Math.min(1, window.innerWidth / window.innerHeight);
-    const distance = 0.5 * Math.max(Math.hypot(size.x, size.y), size.z, 0.5) / Math.tan(camera.fov * Math.PI / 360) / Math.max(narrow, 0.3) * 1.1;
+    const shown = new THREE.Box3().setFromObject(grid).union(box);
+    const wide = (id) => {
+      const pane = byId(id).getBoundingClientRect();
+      return pane.width > 0.6 * window.innerWidth ? pane : {height: 0};
+    };
+    const top = wide('about').height, bottom = wide('time').height, height = window.innerHeight;
+    const back = bestView();
+    const right = new THREE.Vector3().crossVectors(camera.up, back).normalize(), above = back.clone().cross(right);
+    const steep = Math.tan(camera.fov * Math.PI / 360), target = shown.getCenter(new THREE.Vector3());
+    let distance = 0.5;
+    for (let i = 0; i < 8; ++i) {
+      const p = new THREE.Vector3(...['x', 'y', 'z'].map((axis, k) => shown[i >> k & 1 ? 'max' : 'min'][axis])).sub(target);
+      const needed = Math.max(Math.abs(p.dot(right)) * height / window.innerWidth, Math.abs(p.dot(above)) * height / Math.max(height - top - bottom, 1));
+      distance = Math.max(distance, p.dot(back) + 1.03 * needed / steep);
+    }
+    camera.setViewOffset(window.innerWidth, height, 0, (bottom - top) / 2, window.innerWidth, height);
     controls.target.copy(target);
-    camera.position.copy(target).add(new THREE.Vector3(-0.35, -0.62, 0.78).normalize().multiplyScalar(distance));
+    camera.position.copy(target).addScaledVector(back, distance);
     camera.near = distance / 1000;
     camera.far = distance * 20;
     controls.maxDistance = 8 * distance;
     controls.update();
   }
-  let waiting = false;
+  function showScale() {  // where the view turns about
+    const pixels = window.innerHeight / (2 * camera.position.distanceTo(controls.target) * Math.tan(camera.fov * Math.PI / 360));
+    const length = roundLength(120 / pixels), bar = byId('scale');
+    bar.style.width = length * pixels + 'px';
+    bar.textContent = length + ' m';
+  }
+  let waiting = false, untouched = true;
+  controls.addEventListener('start', () => { untouched = false; });
   function draw() {
     if (waiting) return;
     waiting = true;
-    requestAnimationFrame(() => { waiting = false; renderer.render(scene, camera); });
+    requestAnimationFrame(() => {
+      waiting = false;
+      showScale();
+      renderer.render(scene, camera);
+    });
   }
   function resize() {
     renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     renderer.setSize(window.innerWidth, window.innerHeight, false);
     camera.aspect = window.innerWidth / window.innerHeight;
+    if (untouched) fit();
     camera.updateProjectionMatrix();
     drawStates();
     draw();
@@ -498,8 +620,12 @@
     }
     if (!layers.segments.visible) return;
     raycaster.setFromCamera(new THREE.Vector2(2 * x / window.innerWidth - 1, 1 - 2 * y / window.innerHeight), camera);
-    const hits = raycaster.intersectObject(surfaces);
-    if (hits.length) { const segment = owners[hits[0].faceIndex]; showModel(segment.model, segment); }
+    for (const mesh of [surfaces, backs]) {
+      const [hit] = raycaster.intersectObject(mesh);
+      if (!hit) continue;
+      const segment = mesh.owners[hit.faceIndex];
+      return showModel(segment.model, segment);
+    }
   }
   let pressed = null;
   renderer.domElement.addEventListener('pointerdown', (e) => { pressed = [e.clientX, e.clientY]; });
@@ -582,13 +708,16 @@
     legend('own', [...entries, [COLOURS.model, models.filter((m) => !m.own).length, 'not asked']]).prepend('own images without themselves: ');
   }
   window.addEventListener('resize', resize);
-  fit();
   resize();
 
   // For programs that look at the page: where things are on the screen, and what was drawn.
   window.facetloc = {
     answerOnScreen: (a) => onScreen(placeOf(answers[a].places[0].pose)),
     modelOnScreen: (m) => onScreen(placeOf(models[m].pose)),
+    turn: (degrees) => {
+      camera.position.sub(controls.target).applyAxisAngle(camera.up, degrees * Math.PI / 180).add(controls.target);
+      controls.update();
+    },
     triangles: () => { renderer.render(scene, camera); return renderer.info.render.triangles; }
   };
 })();

@@ -2,7 +2,7 @@
 (function () {
   'use strict';
   const data = JSON.parse(document.getElementById('data').textContent);
-  const charts = document.getElementById('charts');
+  const charts = document.getElementById('charts'), FIRST = 3;  // shown at once, the rest unfolded
   const BLUE = '#1f77b4', GREEN = '#2ca02c', ORANGE = '#ff7f0e', RED = '#c82828', GREY = '#888888';
   const COLOURS = [BLUE, GREEN, ORANGE, '#9467bd', '#8c564b', '#e377c2', '#17becf'];
 
@@ -25,6 +25,17 @@
   const axis = (title, min, max, options, ticks) =>
       ({type: 'linear', title: {display: true, text: title}, min, max, ticks: {includeBounds: false, ...ticks}, ...options});
 
+  /** Where the charts are that show at a click. */
+  function more() {
+    const found = document.getElementById('more');
+    if (found) return found;
+    const folded = document.createElement('details'), inside = document.createElement('div');
+    folded.appendChild(document.createElement('summary')).textContent = 'More charts';
+    inside.id = 'more';
+    charts.after(folded);
+    return folded.appendChild(inside);
+  }
+
   function draw(title, scales, datasets, options) {
     const figure = document.createElement('figure'), frame = document.createElement('div'), canvas = document.createElement('canvas');
     figure.className = 'chart';
@@ -32,7 +43,7 @@
     figure.appendChild(frame).appendChild(canvas);
     canvas.setAttribute('role', 'img');
     canvas.setAttribute('aria-label', title);
-    charts.appendChild(figure);
+    if (charts.children.length < FIRST) charts.appendChild(figure); else more().appendChild(figure);
     return new Chart(canvas, {
       type: 'line',
       data: {datasets},
@@ -133,13 +144,14 @@
   }
 
   applyColours();
-  if (data.reliability) drawReliability(data.reliability);
+  charts.textContent = '';
   if (data.starts && data.starts.images) drawStarts('Images since the start', data.starts.images);
-  if (data.starts && data.starts.metres) drawStarts('Distance travelled since the start [m]', data.starts.metres);
   if (data.position) drawErrors('Error in position', 'Translation error [mm]', 'mm', 0, data.position);
+  if (data.distance) drawShares('Correct by the distance to the map', 'Distance to the nearest local model [m]', data.distance);
+  if (data.reliability) drawReliability(data.reliability);
   if (data.orientation) drawErrors('Error in orientation', 'Orientation error [deg]', 'deg', 1, data.orientation);
   if (data.planes) drawShares('Correct by what is in view', 'True planes in view', data.planes);
-  if (data.distance) drawShares('Correct by the distance to the map', 'Distance to the nearest local model [m]', data.distance);
+  if (data.starts && data.starts.metres) drawStarts('Distance travelled since the start [m]', data.starts.metres);
   if (data.plan) drawPlan(data.plan);
   if (data.errors) {
     drawTrajectoryError('Error of the position after alignment', '[mm]', 1, BLUE);

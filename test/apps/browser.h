@@ -19,11 +19,14 @@ public:
 
   /** \brief The page's elements as they are a few seconds of its time after loading. */
   ToolRun elementsOf(const std::string& page) const { return run({"--dump-dom"}, page); }
-  /** \brief Writes a picture of the page to a PNG file. */
-  ToolRun photograph(const std::string& page, const std::string& png, int width, int height) const {
-    return run(
-        {"--screenshot=" + png, "--window-size=" + std::to_string(width) + "," + std::to_string(height)},
-        page);
+  /** \brief Writes a picture of the page to a PNG file, as one sees it who prefers dark pages or light ones.
+   */
+  ToolRun photograph(const std::string& page, const std::string& png, int width, int height,
+                     bool dark = false) const {
+    return run({"--screenshot=" + png,
+                "--window-size=" + std::to_string(width) + "," + std::to_string(height),
+                "--blink-settings=preferredColorScheme=" + std::to_string(dark ? 0 : 1)},
+               page);
   }
   /** \brief The lines that a page has written to the browser's console. */
   static std::vector<std::string> consoleOf(const ToolRun& run) {

@@ -131,8 +131,10 @@ TEST_F(MapInBrowser, DrawsEverything) {
   writeMapPage(path_, map_, examplePage(map_));
   const std::string found =
       elements("document.getElementById('fault').textContent = facetloc.triangles() + ' triangles';");
-  // Two triangles for each of 3 x 7 rectangles, six for each of 2 cameras that are shown, and two balls.
-  EXPECT_THAT(found, HasAll(std::to_string(2 * 21 + 6 * 2 + 2 * 2 * 20 * (14 - 1)) + " triangles",
+  // Two triangles for each of 3 x 7 rectangles, again two, in two passes, for the backs of 3 x 5 upright
+  // ones, 17 for each axis and its name, six for each of 2 cameras that are shown, and two balls.
+  EXPECT_THAT(found, HasAll(std::to_string(2 * 21 + 2 * 2 * 15 + 3 * 17 + 6 * 2 + 2 * 2 * 20 * (14 - 1)) +
+                                " triangles",
                             "3 local models, 21 segments, 2 links", "1 sure and wrong"));
 }
 
@@ -176,13 +178,31 @@ TEST_F(MapInBrowser, NamesAreText) {
 TEST_F(MapInBrowser, LooksAsItDid) {
   writeMapPage(path_, map_, examplePage(map_));
   // Words look otherwise where other fonts are installed.
-  const std::string page = visited(
-      path_,
-      "for (const tag of ['header', 'footer']) document.querySelector(tag).style.visibility = 'hidden';");
-  const ToolRun run = browser_.photograph(page, folder_ / "page.png", 480, 360);
-  ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
-  expectLikeGolden("map_page", readRgbPng(folder_ / "page.png"));
+  const std::string hidden =
+      "for (const e of document.querySelectorAll('header, footer, #scale')) e.style.visibility = 'hidden';";
+  const auto expectLike = [&](const std::string& name, const std::string& script, int width, int height,
+                              bool dark) {
+    const std::string page = visited(path_, hidden + script);
+    const ToolRun run = browser_.photograph(page, folder_ / "page.png", width, height, dark);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
+    expectLikeGolden(name, readRgbPng(folder_ / "page.png"));
+  };
+  expectLike("map_page", "", 1280, 800, false);
+  expectLike("map_page_phone", "document.getElementById('layer-points').click();", 390, 700, true);
+}
+
+TEST(MapPageData, HasTheMeasuredPoints) {
+  const Map map = ExampleScene().map();
+  const Json::Value data = mapPageData(map, {}, "page.html");
+  const DepthPicture& picture = map.view(0)->depth;
+  const Json::Value& points = data["models"][0]["points"];
+  ASSERT_FALSE(picture.empty());
+  EXPECT_EQ(points["columns"].asInt(), picture.camera.width) << "few enough for all of them";
+  EXPECT_DOUBLE_EQ(points["step"].asDouble() * picture.camera.width, 1);
+  EXPECT_EQ(points["inverse"].asString(),
+            base64({reinterpret_cast<const char*>(picture.inverse_depth.data()),
+                    picture.inverse_depth.size() * sizeof(picture.inverse_depth[0])}));
 }
 
 TEST(MapPageData, LeavesOutOtherPartsAndSaysSo) {

@@ -226,6 +226,26 @@ TEST_F(Pictures, BeliefsAreGolden) {
   EXPECT_THROW(drawBeliefs(path_, Map(), beliefs), IoError);
 }
 
+TEST_F(Pictures, APlanIsDrawnForTheSegments) {
+  OccupancyGrid grid = OccupancyGrid::filled(60, 40, 0.1, {-10, -10}, OccupancyGrid::kFree);
+  for (int row = 0; row < grid.height; ++row)
+    for (int column = 0; column < 15; ++column) {
+      grid.cells[grid.index(column, row)] = OccupancyGrid::kOccupied;
+      grid.cells[grid.index(grid.width - 1 - column, row)] = OccupancyGrid::kUnknown;
+    }
+  drawFloorMap(path_, map_, {}, {}, &grid);
+  const Raster<std::uint8_t> picture = written();
+  const auto pixelsOf = [&](std::uint8_t grey) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < picture.data.size(); i += 3)
+      n +=
+          std::all_of(picture.data.data() + i, picture.data.data() + i + 3, [&](int c) { return c == grey; });
+    return static_cast<double>(n);
+  };
+  EXPECT_GT(pixelsOf(60), 1000);
+  EXPECT_NEAR(pixelsOf(232) / pixelsOf(60), 1, 0.05) << "as many unknown cells as occupied ones";
+}
+
 TEST_F(Pictures, AMissingElementIsNoticed) {
   if (updatesGolden()) GTEST_SKIP();
   const Raster<std::uint8_t> golden = readRgbPng(goldenPath("floor_map"));

@@ -45,6 +45,10 @@ public:
     const Eigen::Vector2d offset = pixels_per_metre_ * (p - low_);
     return {box_.left + offset.x(), box_.bottom() - offset.y()};
   }
+  /** \brief The point that is drawn at a place of the page. */
+  Eigen::Vector2d pointAt(const Eigen::Vector2d& place) const {
+    return low_ + Eigen::Vector2d(place.x() - box_.left, box_.bottom() - place.y()) / pixels_per_metre_;
+  }
   double pixelsPerMetre() const { return pixels_per_metre_; }
   const Box& box() const { return box_; }
 

@@ -68,6 +68,35 @@ private:
   std::size_t every_;  // image has one
 };
 
+/** Measured depths of all local models, on a grid so coarse that they fit. */
+class Points {
+public:
+  explicit Points(const Map& map) {
+    double pixels = 0;
+    for (std::size_t i = 0; i < map.models.size(); ++i)
+      pixels += static_cast<double>(map.view(static_cast<int>(i))->depth.inverse_depth.size());
+    step_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMostPoints))));
+  }
+
+  void add(const DepthPicture& picture, Json::Value& to) const {
+    const Intrinsics& camera = picture.camera;
+    if (picture.empty()) return;
+    std::string bytes;
+    for (int v = 0; v < camera.height; v += step_)
+      for (int u = 0; u < camera.width; u += step_) {
+        const unsigned q = picture.inverse_depth[static_cast<std::size_t>(v) * camera.width + u];
+        bytes += static_cast<char>(q & 255), bytes += static_cast<char>(q >> 8);
+      }
+    to["points"]["columns"] = (camera.width + step_ - 1) / step_;
+    to["points"]["step"] = static_cast<double>(step_) / camera.width;
+    to["points"]["inverse"] = base64(bytes);
+  }
+
+private:
+  static constexpr double kMostPoints = 1 << 17;
+  int step_;  // [px]
+};
+
 /** The hulls of all segments: corners as whole multiples of a quantum above the lowest, 16 bits each. */
 class Hulls {
 public:
@@ -140,7 +169,8 @@ public:
         page_(page),
         part_(mainPart(map)),
         numbers_(map.models.size(), -1),
-        pictures_(imageCount()) {}
+        pictures_(imageCount()),
+        points_(map) {}
 
   Json::Value write(const std::filesystem::path& path) {
     addModels();
@@ -148,6 +178,7 @@ public:
       throw IoError(path.string(), "cannot be drawn: no local model of the map has a pose");
     data_["up"] = rowsOf(rotationBetween(upInPart(map_, part_), Eigen::Vector3d::UnitZ()));
     data_["most_links"] = kMostLinks;
+    data_["inverse_quantum"] = 1 / DepthPicture::kQuantum;
     addOwnViews();
     addLinks();
     addRuns();
@@ -183,6 +214,7 @@ private:
       value["by_links"] = model.by_links;
       value["n"] = static_cast<Json::UInt64>(view->segments.size());
       if (pictures_.has(i)) pictures_.add(*view, value);
+      points_.add(view->depth, value);
       numbers_[i] = static_cast<int>(data_["models"].size());
       data_["models"].append(value);
     }
@@ -321,6 +353,7 @@ private:
   const int part_;
   std::vector<int> numbers_;  // Indices on the page by local model; -1 = not drawn.
   const Pictures pictures_;
+  const Points points_;
   Json::Value data_;
 };
 

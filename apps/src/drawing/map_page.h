@@ -59,10 +59,12 @@ constexpr int kMostLinks = 30;
 
 /** \brief Writes a page for browsers, one file that needs no network, atomically: the segments of all local
  * models as polygons coloured by direction, the local models, links, runs, and answers with 95 % ellipsoids,
- * and changed surfaces, to turn, zoom and click. Names are text there, whatever is in them. Pictures and
- * matches share about 1 MB: where images are many, pictures are smaller, then fewer; of more than 40 000
- * segments the largest are drawn. Throws IoError if no local model of the map has a pose, or the page cannot
- * be written; std::runtime_error if facetloc was built without three.js. */
+ * and changed surfaces, to turn, zoom and click, over a grid of the floor; segments far from nearly all
+ * others, backs of walls and answers that are not sure are light. Names are text there, whatever is in them.
+ * Pictures and matches share about 1 MB: where images are many, pictures are smaller, then fewer; so are the
+ * measured points that a click shows, of which there are 131 072 at most; of more than 40 000 segments the
+ * largest are drawn. Throws IoError if no local model of the map has a pose, or the page cannot be written;
+ * std::runtime_error if facetloc was built without three.js. */
 void writeMapPage(const std::filesystem::path& path, const Map& map, const MapPage& page);
 /** \brief Its data, for apps/pages/map.js. Throws IoError, with the name of the page that was to be, if no
  * local model of the map has a pose. */

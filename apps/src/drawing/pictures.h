@@ -6,6 +6,7 @@
 
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/local_model.h>
+#include <facetloc/features/occupancy_grid.h>
 #include <facetloc/io/png.h>
 #include <facetloc/segmentation/view_builder.h>
 
@@ -60,9 +61,9 @@ struct DrawnMarks {
 /** \brief The paper's Fig. 4: the segments of all local models in plan view (upright ones as lines, level
  * ones not), the local models with their headings, their links, runs and marks, a scale bar. Of a map in
  * parts the world, or else the largest part. Models without a pose are left out; throws IoError if none has
- * one. */
+ * one. \param grid a plan in the map's x and y, drawn in the place of the segments; may be null */
 void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
-                  const std::vector<DrawnMarks>& marks = {});
+                  const std::vector<DrawnMarks>& marks = {}, const OccupancyGrid* grid = nullptr);
 
 /** \brief drawFloorMap() as a figure of an HTML page: the upright segments of all local models from above,
  * runs as lines, marks as disks that carry the headings, a scale bar, and a legend in words with their

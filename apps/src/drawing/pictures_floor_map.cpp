@@ -30,6 +30,24 @@ void drawModel(Page& page, const Eigen::Vector2d& at, const Eigen::Vector2d& ahe
   drawHeading(page, at, ahead, size, {kModel, 2});
 }
 
+/** Occupied cells dark, unknown ones grey. */
+void drawGrid(Page& page, const PlanScale& scale, const OccupancyGrid& grid) {
+  constexpr std::uint8_t kOccupied = 60, kUnknown = 232, kFree = 255;
+  const Box& box = scale.box();
+  Raster<std::uint8_t> picture{static_cast<int>(box.width), static_cast<int>(box.height), 3, {}};
+  for (int v = 0; v < picture.height; ++v)
+    for (int u = 0; u < picture.width; ++u) {
+      const Eigen::Vector2d place(box.left + u + 0.5, box.top + v + 0.5);
+      const Eigen::Array2i cell = grid.cellOf(scale.pointAt(place)).array().floor().cast<int>();
+      const bool is_beside = !grid.contains(cell.x(), cell.y());
+      picture.data.insert(picture.data.end(), 3,
+                          grid.isOccupied(cell.x(), cell.y())            ? kOccupied
+                          : is_beside || grid.isFree(cell.x(), cell.y()) ? kFree
+                                                                         : kUnknown);
+    }
+  page.picture(box, picture);
+}
+
 void drawPlan(Page& page, const PlanScale& scale, const FloorPlan& plan, const std::vector<DrawnRun>& runs,
               const std::vector<DrawnMarks>& marks) {
   for (const PlanLine& wall : plan.walls) drawWall(page, scale(wall.from), scale(wall.to), wall.height);
@@ -64,13 +82,13 @@ std::vector<LegendEntry> legendOf(const FloorPlan& plan, const std::vector<Drawn
   const auto add = [&entries](const std::string& words, std::size_t n, auto sample) {
     entries.push_back({sample, fmt::format("{} ({})", words, n)});
   };
-  if (!plan.models.empty()) {
+  if (!plan.walls.empty())
     add("upright segments", plan.walls.size(),
         [=](Page& p, const Vector& at) { drawWall(p, at, at + to_end, kTallestWall); });
+  if (!plan.models.empty())
     add("local models", plan.models.size(), [=](Page& p, const Vector& at) {
       drawModel(p, at + 0.3 * to_middle, {1, 0}, 16);
     });
-  }
   if (!plan.links.empty())
     add("links", plan.links.size(), [=](Page& p, const Vector& at) {
       p.line({at, at + to_end}, {kLink, 2});
@@ -110,9 +128,12 @@ void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
 }
 
 void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const std::vector<DrawnRun>& runs,
-                 const std::vector<DrawnMarks>& marks) {
+                 const std::vector<DrawnMarks>& marks, const OccupancyGrid* grid) {
   Eigen::AlignedBox2d extent = plan.extent();
   extend(extent, plan.view, runs, marks);
+  if (grid)
+    for (const int x : {0, grid->width - 1})
+      for (const int y : {0, grid->height - 1}) extent.extend(grid->centre(x, y));
   const PlanScale scale = scaleFor(extent);
 
   constexpr double kBarWidth = 260;
@@ -121,6 +142,7 @@ void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const
   const double legend_top = scale.box().bottom() + 0.75 * kMargin;
   Page page(static_cast<int>(scale.box().right() + kMargin),
             static_cast<int>(legend_top + legend_height + kMargin / 2));
+  if (grid) drawGrid(page, scale, *grid);
   drawPlan(page, scale, plan, runs, marks);
   for (const LegendEntry& entry : legend) {
     const Eigen::Vector2d at = Eigen::Vector2d(scale.box().left, legend_top) + entry.at;
@@ -134,12 +156,14 @@ void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const
 }  // namespace
 
 void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::vector<DrawnRun>& runs,
-                  const std::vector<DrawnMarks>& marks) {
-  drawPicture(path, floorPlan(map, path), runs, marks);
+                  const std::vector<DrawnMarks>& marks, const OccupancyGrid* grid) {
+  FloorPlan plan = floorPlan(map, path);
+  if (grid) plan.walls.clear();
+  drawPicture(path, plan, runs, marks, grid);
 }
 
 void drawRuns(const std::filesystem::path& path, const PlanView& view, const std::vector<DrawnRun>& runs) {
-  drawPicture(path, {view, {}, {}, {}}, runs, {});
+  drawPicture(path, {view, {}, {}, {}}, runs, {}, nullptr);
 }
 
 }  // namespace facetloc

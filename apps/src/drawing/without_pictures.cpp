@@ -19,7 +19,7 @@ OffscreenDisplay::~OffscreenDisplay() = default;
 
 void drawSegmentation(const std::filesystem::path&, const SeenImage&) { refuse(); }
 void drawFloorMap(const std::filesystem::path&, const Map&, const std::vector<DrawnRun>&,
-                  const std::vector<DrawnMarks>&) {
+                  const std::vector<DrawnMarks>&, const OccupancyGrid*) {
   refuse();
 }
 void drawRuns(const std::filesystem::path&, const PlanView&, const std::vector<DrawnRun>&) { refuse(); }

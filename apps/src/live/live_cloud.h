@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "drawing/floor_plan.h"
 #include "drawing/matched_segments.h"
 #include "drawing/plan_view.h"
 #include "drawing/segment_scene.h"
@@ -86,7 +87,8 @@ public:
     for (std::size_t k = 0; k < segments.size(); ++k)
       outlines_.line(cornersOf(segments[k], Eigen::Isometry3d::Identity()),
                      mixed(colours.of_view[k], kBlack, 0.25), true);
-    for (std::size_t k = 0; k < std::min(segments.size(), kMostFrames); ++k) addFrame(segments[k]);
+    const double reach = reachOf(result.image.depth);
+    addFrames({segments.begin(), segments.begin() + std::min(segments.size(), kMostFrames)}, kAxis * reach);
     if (const Hypothesis* match = map ? result.match() : nullptr) {
       const Eigen::Isometry3d T_c_m = match->T_m_c.T.inverse();
       const std::shared_ptr<const View> view = map->view(match->model);
@@ -97,15 +99,11 @@ public:
         shapes.line(cornersOf(model[k], T_c_m), colour ? mixed(*colour, kBlack, 0.35) : kModelOnly, true);
       }
     }
-    constexpr double kPyramid = 0.3;  // [m] of the camera itself
-    const Intrinsics& camera = result.image.depth.camera;
-    Shapes::Points base;
-    for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
-      base.push_back(kPyramid * camera.ray(u * camera.width, v * camera.height));
-      frames_.line({Eigen::Vector3d::Zero(), base.back()}, kBlack);
-    }
+    constexpr double kPyramid = 0.1;  // size of the camera itself, as a share of the reach
+    const Shapes::Points base = frustum(result.image.depth.camera, kPyramid * reach);
+    for (const Eigen::Vector3d& corner : base) frames_.line({Eigen::Vector3d::Zero(), corner}, kBlack);
     frames_.line(base, kBlack, true);
-    lookFromBehind(map ? map->camera.mounting : std::nullopt);
+    lookFromBehind(map ? map->camera.mounting : std::nullopt, frustum(result.image.depth.camera, reach));
     look.applyTo(ground_->GetActiveCamera());
     const auto picked = pixel ? segmentAt(result.image.view, *pixel) : std::nullopt;
     if (picked) frames_.line(cornersOf(segments[*picked], Eigen::Isometry3d::Identity()), kBlack, true);
@@ -114,12 +112,33 @@ public:
     return picked;
   }
 
+  /** \brief How many times larger than they are the ellipses are drawn. */
+  double magnification() const { return magnification_; }
+
 private:
   static constexpr Colour kNoSegment = {205, 205, 205};  // points that belong to none
   static constexpr Colour kModelOnly = {120, 120, 120};  // segments that the view does not match
-  static constexpr std::size_t kMostFrames = 10;         // segment frames drawn, the most useful first
-  static constexpr double kAxis = 0.16;                  // [m]
-  static constexpr double kMagnification = 10;           // factor on 2 standard deviations of a normal
+  static constexpr std::size_t kMostFrames = 6;          // segment frames drawn, the most useful first
+  static constexpr double kAxis = 0.06;                  // length of an axis, as a share of the reach
+
+  /** Depth up to which nearly all pixels are, in steps of a half, so that the view keeps still [m]. */
+  static double reachOf(const DepthImage& image) {
+    constexpr double kNearlyAll = 0.98;
+    std::vector<float> depths;
+    std::copy_if(image.depth.begin(), image.depth.end(), std::back_inserter(depths), isMeasured);
+    if (depths.empty()) return 1;
+    const auto last = depths.begin() + static_cast<std::ptrdiff_t>(kNearlyAll * (depths.size() - 1));
+    std::nth_element(depths.begin(), last, depths.end());
+    return std::exp2(std::ceil(2 * std::log2(*last)) / 2);
+  }
+
+  /** The corners of the image at a depth. */
+  static Shapes::Points frustum(const Intrinsics& camera, double depth) {
+    Shapes::Points corners;
+    for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
+      corners.push_back(depth * camera.ray(u * camera.width, v * camera.height));
+    return corners;
+  }
 
   /** The segment of a view that a ray through a pixel meets first. */
   std::optional<std::size_t> segmentAt(const View& view, const Eigen::Vector2d& pixel) {
@@ -173,28 +192,54 @@ private:
     cloud_->GetPointData()->SetScalars(rgb);
   }
 
-  /** Axes x red, y green, and the normal blue, around whose tip the true one lies. Eq. (2). */
-  void addFrame(const Segment& segment) {
+  /** Axes x red, y green, and the normal blue, around whose tip the true one lies, so magnified that half of
+   * the ellipses are at least a fifth to half of an axis wide. Eq. (2). \param length of an axis [m] */
+  void addFrames(const std::vector<Segment>& segments, double length) {
     constexpr Colour kX = {200, 30, 30}, kY = {20, 140, 20}, kNormal = {20, 40, 200};
-    frames_.line({segment.t, segment.t + kAxis * segment.R.col(0)}, kX);
-    frames_.line({segment.t, segment.t + kAxis * segment.R.col(1)}, kY);
-    const Eigen::Vector3d tip = segment.t + kAxis * segment.R.col(2);
-    frames_.line({segment.t, tip}, kNormal);
-    const Eigen::Matrix2d root = segment.Sigma_q.topLeftCorner<2, 2>().llt().matrixL();
-    Shapes::Points ellipse;
-    for (const Eigen::Vector2d& unit : unitCircle(24)) {
-      const Eigen::Vector2d tilt = 2 * kMagnification * (root * unit);
-      ellipse.push_back(tip + kAxis * (segment.R.leftCols<2>() * tilt));
+    constexpr double kHalf = 0.4, kMost = 1.5;  // radii of ellipses, in axes
+    std::vector<Eigen::Matrix2d> roots;         // two standard deviations of the normals
+    std::vector<double> radii;
+    for (const Segment& segment : segments) {
+      roots.push_back(2 * Eigen::Matrix2d(segment.Sigma_q.topLeftCorner<2, 2>().llt().matrixL()));
+      radii.push_back(roots.back().norm());
     }
-    frames_.line(ellipse, kBlack, true);
+    if (radii.empty()) return;
+    std::nth_element(radii.begin(), radii.begin() + radii.size() / 2, radii.end());
+    magnification_ = roundLength(kHalf / std::max(radii[radii.size() / 2], 1e-6));
+    for (std::size_t k = 0; k < segments.size(); ++k) {
+      const Segment& segment = segments[k];
+      frames_.line({segment.t, segment.t + length * segment.R.col(0)}, kX);
+      frames_.line({segment.t, segment.t + length * segment.R.col(1)}, kY);
+      const Eigen::Vector3d tip = segment.t + length * segment.R.col(2);
+      frames_.line({segment.t, tip}, kNormal);
+      const Eigen::Matrix2d root = magnification_ * roots[k];
+      if (root.norm() > kMost) continue;  // it would cover the others
+      Shapes::Points ellipse;
+      for (const Eigen::Vector2d& unit : unitCircle(24))
+        ellipse.push_back(tip + length * (segment.R.leftCols<2>() * (root * unit)));
+      frames_.line(ellipse, kBlack, true);
+    }
   }
 
-  void lookFromBehind(const std::optional<CameraMounting>& mounting) {
-    const Eigen::Vector3d focus(-0.1, 0.1, 1.95);  // [m] where most rooms have something
-    constexpr double kDistance = 4.25, kViewAngle = 42;
+  /** So that the camera and all that it can see down to the far corners just fit. */
+  void lookFromBehind(const std::optional<CameraMounting>& mounting, Shapes::Points corners) {
+    constexpr double kViewAngle = 42, kMargin = 1.04;
     const Eigen::Vector3d up =
         mounting ? Eigen::Vector3d(mounting->T_b_c().linear().row(2).transpose()) : Eigen::Vector3d(0, -1, 0);
-    const Eigen::Vector3d eye = focus - kDistance * fromBehindAndAbove(up);
+    const Eigen::Vector3d ahead = fromBehindAndAbove(up), right = ahead.cross(up).normalized();
+    Eigen::Matrix3d axes;
+    axes << right.transpose(), right.cross(ahead).transpose(), ahead.transpose();
+    corners.emplace_back(0, 0, 0);
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& p : corners) box.extend(axes * p);
+    const double slope = std::tan(kViewAngle / 2 * kDegree), aspect = ground_->GetTiledAspectRatio();
+    double distance = 0;
+    for (const Eigen::Vector3d& p : corners) {
+      const Eigen::Vector3d q = axes * p - box.center();
+      distance =
+          std::max(distance, kMargin * std::max(std::abs(q.x()) / aspect, std::abs(q.y())) / slope - q.z());
+    }
+    const Eigen::Vector3d focus = axes.transpose() * box.center(), eye = focus - distance * ahead;
     vtkCamera* camera = ground_->GetActiveCamera();
     camera->SetPosition(eye.x(), eye.y(), eye.z());
     camera->SetFocalPoint(focus.x(), focus.y(), focus.z());
@@ -202,6 +247,7 @@ private:
     camera->SetViewAngle(kViewAngle);
   }
 
+  double magnification_ = 1;
   vtkNew<vtkRenderer> ground_, overlay_;
   vtkNew<vtkPolyData> cloud_;
   Shapes model_, unmatched_model_, frames_, outlines_;

@@ -262,8 +262,7 @@ private:
     if (layout.near.width <= 0) return near_caption_.hide();
     addFrame(layout.near);
     caption(near_caption_,
-            fmt::format("{:.9g} m high{}", plan_->nearHeight(),
-                        result.pose() ? "; ellipse: 2 std, to scale" : ""),
+            fmt::format("grid of {:.9g} m{}", plan_->nearGrid(), result.pose() ? "; ellipse: 2 std" : ""),
             layout.near);
   }
 
@@ -283,8 +282,9 @@ private:
     addFrame(layout.cloud);
     caption(cloud_caption_,
             chosen ? segmentText(result.image.view, *chosen)
-                   : "cloud by segment; axes: x, y, normal; ellipses: 2 std of the normals, × 10" +
-                         std::string(result.match() ? "; thick: local model" : ""),
+                   : fmt::format(
+                         "cloud by segment; axes: x, y, normal; ellipses: 2 std of the normals, × {:.9g}{}",
+                         cloud_.magnification(), result.match() ? "; thick: local model" : ""),
             layout.cloud);
   }
 

@@ -63,12 +63,13 @@ public:
     mark(whole_, result, look(whole_, extent.center(), height, panels.whole, panels.whole_size),
          panels.chosen);
     near_height_ = result.pose() ? nearHeightOf(ellipseOf(result).colwise().norm().maxCoeff()) : kNearHeight;
-    mark(near_, result, look(near_, middleOf(result), near_height_, panels.near, panels.near_size),
+    near_middle_ = middleOf(result);
+    mark(near_, result, look(near_, near_middle_, near_height_, panels.near, panels.near_size),
          panels.chosen);
   }
 
-  /** \brief Height of the close-up [m]: the less, the better the pose is known. */
-  double nearHeight() const { return near_height_; }
+  /** \brief Side of the grid of the close-up [m]: the less, the better the pose is known. */
+  double nearGrid() const { return roundLength(near_height_ / 3); }
   /** \brief The local model that is drawn at a pixel of the window, from its lower left corner. */
   std::optional<int> modelAt(LiveLooks::Panel which, const Eigen::Vector2d& pixel) {
     Panel& panel = which == LiveLooks::Panel::near ? near_ : whole_;
@@ -98,11 +99,13 @@ public:
   }
 
 private:
-  static constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrajectory = {31, 119, 180};
+  static constexpr Colour kWall = {40, 40, 40}, kModel = {213, 94, 0}, kTrajectory = {31, 119, 180},
+                          kGridLine = {228, 228, 228};
   static constexpr double kNearHeight = 3.0;  // largest height of the close-up [m]
   static constexpr double kReach = 12;        // largest distance of a click from its target [px]
   static constexpr double kSigmas = 2;        // size of the ellipse in standard deviations
   enum Level {
+    kGrid,
     kGround,
     kLinkLevel,
     kModelLevel,
@@ -115,9 +118,11 @@ private:
 
   static Eigen::Vector3d at(const Eigen::Vector2d& p, Level level) { return {p.x(), p.y(), double(level)}; }
 
-  static Shapes::Points disk(const Eigen::Vector2d& centre, const Eigen::Matrix2d& shape, Level level) {
+  static Shapes::Points disk(const Eigen::Vector2d& centre, const Eigen::Matrix2d& shape, Level level,
+                             int corners = 36) {
     Shapes::Points points;
-    for (const Eigen::Vector2d& unit : unitCircle(36)) points.push_back(at(centre + shape * unit, level));
+    for (const Eigen::Vector2d& unit : unitCircle(corners))
+      points.push_back(at(centre + shape * unit, level));
     return points;
   }
 
@@ -139,7 +144,6 @@ private:
     Shapes marker{2.5};
   };
   void showPart(int part) {
-    constexpr double kRadius = 0.06;  // local models [m]
     const FloorPlan plan = floorPlan(*map_, part);
     part_ = part;
     plan_ = plan.view;
@@ -148,9 +152,8 @@ private:
       const double dark = 0.2 + 0.7 * std::min(1.0, wall.height / kTallestWall);
       walls_.line({at(wall.from, kGround), at(wall.to, kGround)}, mixed(kWhite, kWall, dark));
     }
-    for (const Eigen::Isometry3d& T : plan.models)
-      links_.polygon(disk(plan_.point(T.translation()), kRadius * Eigen::Matrix2d::Identity(), kModelLevel),
-                     kModel);
+    models_.clear();
+    for (const Eigen::Isometry3d& T : plan.models) models_.push_back(plan_.point(T.translation()));
     for (const auto& [from, to] : plan.links)
       links_.line({at(plan_.point(from), kLinkLevel), at(plan_.point(to), kLinkLevel)},
                   mixed(kModel, kWhite, 0.4));
@@ -188,9 +191,27 @@ private:
     return solver.eigenvectors() * radii.asDiagonal();
   }
 
-  /** An arrowhead where the camera is, of a size on the screen, and its uncertainty; a ring around a local
-   * model that is chosen. */
+  void addGrid() {
+    const double side = nearGrid();
+    const Eigen::Vector2d middle = side * (near_middle_ / side).array().round();
+    constexpr int kLines = 12;  // to each side
+    for (int i = -kLines; i <= kLines; ++i)
+      for (const auto& [along, across] : {std::pair(Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)),
+                                          std::pair(Eigen::Vector2d(0, 1), Eigen::Vector2d(1, 0))}) {
+        const Eigen::Vector2d at_line = middle + i * side * across, half = kLines * side * along;
+        near_.marker.line({at(at_line - half, kGrid), at(at_line + half, kGrid)}, kGridLine);
+      }
+  }
+
+  /** The local models, an arrowhead where the camera is, from near a needle, all of sizes on the screen; its
+   * uncertainty, and a ring around a local model that is chosen. */
   void mark(Panel& panel, const LiveResult& result, double metres_per_pixel, std::optional<int> chosen) {
+    constexpr double kModelRadius = 2.5;  // [px]
+    for (const Eigen::Vector2d& model : models_)
+      panel.marker.polygon(
+          disk(model, kModelRadius * metres_per_pixel * Eigen::Matrix2d::Identity(), kModelLevel, 8), kModel);
+    const bool is_near = &panel == &near_;
+    if (is_near) addGrid();
     if (chosen && map_->models[*chosen].T_w_m) {
       const Eigen::Vector2d place = plan_.point(map_->models[*chosen].T_w_m->translation());
       panel.marker.line(disk(place, kReach * metres_per_pixel * Eigen::Matrix2d::Identity(), kMarkLevel),
@@ -209,9 +230,12 @@ private:
     const Eigen::Vector2d ahead = plan_.direction(T.linear().col(2));
     if (ahead.norm() > 0.1) {
       const Eigen::Vector2d x = metres_per_pixel * ahead.normalized(), y(-x.y(), x.x());
-      panel.marker.polygon({at(here + 12 * x, kMarkLevel), at(here - 5 * x + 6 * y, kMarkLevel),
-                            at(here - 5 * x - 6 * y, kMarkLevel)},
-                           colour);
+      if (is_near)
+        panel.marker.line({at(here, kMarkLevel), at(here + 30 * x, kMarkLevel)}, colour);
+      else
+        panel.marker.polygon({at(here + 12 * x, kMarkLevel), at(here - 5 * x + 6 * y, kMarkLevel),
+                              at(here - 5 * x - 6 * y, kMarkLevel)},
+                             colour);
     } else {  // it looks straight up or down
       panel.marker.polygon(disk(here, 7 * metres_per_pixel * Eigen::Matrix2d::Identity(), kMarkLevel),
                            colour);
@@ -238,7 +262,9 @@ private:
   int part_ = 0;  // that is shown
   PlanView plan_;
   Eigen::AlignedBox2d extent_;
+  std::vector<Eigen::Vector2d> models_;
   double near_height_ = 1;  // [m]
+  Eigen::Vector2d near_middle_ = Eigen::Vector2d::Zero();
   Shapes walls_{1.5}, links_{1.2}, trajectory_{2};
   Panel whole_, near_;
 };

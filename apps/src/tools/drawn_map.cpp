@@ -60,8 +60,9 @@ DrawnMap::DrawnMap(fs::path picture) : picture_(std::move(picture)) {
   renderer_ = *renderer;
 }
 
-void DrawnMap::draw(const fs::path& map) const {
-  const std::vector<std::string> arguments = {map.string(), "-o", picture_.string(), "--quiet"};
+void DrawnMap::draw(const fs::path& map, const fs::path& plan) const {
+  std::vector<std::string> arguments = {map.string(), "-o", picture_.string(), "--quiet"};
+  if (!plan.empty()) arguments.insert(arguments.end(), {"--grid", plan.string()});
   if (runProgram(renderer_, arguments) != 0)
     throw IoError(picture_.string(),
                   "is not drawn by " + renderer_.string() + "; the map is in " + map.string());

@@ -11,8 +11,8 @@ public:
   /** \brief Throws UsageError for a file that is no picture, IoError if facetloc_render is not installed. */
   explicit DrawnMap(std::filesystem::path picture);
 
-  /** \brief Throws IoError if it cannot be drawn. */
-  void draw(const std::filesystem::path& map) const;
+  /** \brief Throws IoError if it cannot be drawn. \param plan that the map was made of; may be empty */
+  void draw(const std::filesystem::path& map, const std::filesystem::path& plan = {}) const;
 
 private:
   std::filesystem::path picture_, renderer_;

@@ -267,7 +267,7 @@ private:
     std::optional<DrawnMap> plan;
     if (!plan_.empty()) plan.emplace(plan_);
     const Map map = writeNewMap(map_, overwrite_, threads(), console, [&] { return make(console); });
-    if (plan) plan->draw(map_);
+    if (plan) plan->draw(map_, isFloorPlan() ? model_ : "");
     console.out << counted(map.models.size(), "local model") << "; map in " << map_ << "\n";
     return kOk;
   }

@@ -19,6 +19,7 @@
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
+#include <facetloc/io/occupancy_grid_file.h>
 #include <facetloc/localization/localizer.h>
 
 #include <algorithm>
@@ -145,6 +146,7 @@ private:
                    "Draw this trajectory into a map: a TUM file, or a recording with poses.");
     line.addOption("marks", marks_, "FILE,...",
                    "Mark the poses of these files in a map, green, purple and red.");
+    line.addOption("grid", grid_, "PLAN.yaml", "Draw this occupancy grid in a map, for its segments.");
     line.addSwitch("self", self_,
                    "Localize a map's own images without themselves, and colour the local models of its page "
                    "by the answers.");
@@ -171,7 +173,9 @@ private:
     requirePng(output_);
     requireReplaceable(output_);
     const Map map = readMap(input_);
-    drawFloorMap(output_, map, drawnRuns(), marksIn(marks_));
+    std::optional<OccupancyGrid> grid;
+    if (!grid_.empty()) grid = readOccupancyGrid(grid_);
+    drawFloorMap(output_, map, drawnRuns(), marksIn(marks_), grid ? &*grid : nullptr);
     console.out << counted(map.models.size(), "local model") << "; picture in " << output_ << "\n";
     return kOk;
   }
@@ -366,7 +370,7 @@ private:
     return text::lowerExtension(output_) == ".png" ? renderBeliefs(console) : renderFailures(line, console);
   }
 
-  std::string input_, output_, map_, frame_, trajectory_, marks_, sequence_;
+  std::string input_, output_, map_, frame_, trajectory_, marks_, grid_, sequence_;
   bool overwrite_ = false, self_ = false;
   int max_hypotheses_ = 1, most_ = 20;
   DepthInput depth_;
