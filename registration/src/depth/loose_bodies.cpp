@@ -14,9 +14,7 @@ constexpr int kColumns = 80;            // the grid: 4 px of 320
 constexpr double kLargestPlane = 1;     // a person shows less [m^2]
 constexpr double kLargestBody = 2.5;    // diagonal of a person with arms spread [m]
 constexpr double kLeastShare = 0.01;    // share of the grid: smaller things hide nothing that matters
-constexpr double kMostPlanar = 0.8;     // share of a body on segments: boxes have more, people less
 constexpr double kJump = 0.05;          // share of inverse depth: a surface seen at 80 deg, on this grid
-constexpr double kThick = 0.1;          // share of the depth between a segment's centroid and its pixel
 constexpr float kOutlineMargin = 0.1f;  // around the outline of a plane [m]
 constexpr int kMostBodies = std::numeric_limits<std::uint8_t>::max();
 
@@ -39,8 +37,6 @@ public:
       if (segment.area() >= kLargestPlane && segment.offset() > 0)
         planes_.push_back({&segment, segment.normal() / segment.offset()});
     cells_.resize(std::size_t(width_) * height_);
-    support_.resize(cells_.size(), 0);
-    for (const Segment& segment : view.segments) addSupport(segment, view.intrinsics);
     for (int v = 0; v < height_; ++v)
       for (int u = 0; u < width_; ++u) cells_[index(u, v)] = isLoose(u, v) ? kLoose : kFixed;
   }
@@ -72,25 +68,13 @@ private:
     return std::abs(a - b) <= kJump * std::max(a, b) + errors_.gate * errors_.absolute;
   }
   bool isLoose(int u, int v) const;
-  void addSupport(const Segment& segment, const Intrinsics& working);
 
   const DepthPicture& picture_;
   DepthErrors errors_;
   int step_, width_, height_;
   std::vector<LargePlane> planes_;
   std::vector<Cell> cells_;
-  std::vector<double> support_;  // segments whose centroids are in a cell [cells]
 };
-
-void Grid::addSupport(const Segment& segment, const Intrinsics& working) {
-  const Eigen::Vector2d pixel = picture_.camera.project(segment.t);
-  const int u = static_cast<int>(std::floor(pixel.x() / step_)),
-            v = static_cast<int>(std::floor(pixel.y() / step_));
-  if (u < 0 || v < 0 || u >= width_ || v >= height_) return;
-  if (std::abs(inverseDepth(u, v) * segment.t.z() - 1) > kThick) return;  // it lies behind
-  support_[index(u, v)] +=
-      double(segment.num_points) * double(cells_.size()) / (double(working.width) * working.height);
-}
 
 bool Grid::isLoose(int u, int v) const {
   const double rho = inverseDepth(u, v);
@@ -109,12 +93,10 @@ std::vector<std::size_t> Grid::bodyFrom(int u0, int v0) {
   cells_[found.front()] = kFound;
   Eigen::AlignedBox3d extent;
   int farther = 0, beside = 0;  // neighbours that are no part of it
-  double on_segments = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const int u = static_cast<int>(found[k] % width_), v = static_cast<int>(found[k] / width_);
     const double rho = inverseDepth(u, v);
     extent.extend(ray(u, v) / rho);
-    on_segments += support_[found[k]];
     for (const auto& [du, dv] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
       const int nu = u + du, nv = v + dv;
       if (nu < 0 || nv < 0 || nu >= width_ || nv >= height_) continue;
@@ -131,8 +113,7 @@ std::vector<std::size_t> Grid::bodyFrom(int u0, int v0) {
     }
   }
   const bool is_body = double(found.size()) >= kLeastShare * double(cells_.size()) &&
-                       extent.sizes().norm() <= kLargestBody && farther > beside &&
-                       on_segments <= kMostPlanar * double(found.size());
+                       extent.sizes().norm() <= kLargestBody && farther > beside;
   return is_body ? found : std::vector<std::size_t>();
 }
 
