@@ -22,8 +22,8 @@ struct DriveView {
   Localization answer;                       ///< the views up to this one decide
 };
 
-/** \brief The same map for views that are joined(): each local model is joined with those nearest to where the
- * other cameras would look from it, when it is first asked for. \param sides T_v_c of the other cameras */
+/** \brief The same map for joined() views: each local model is joined with those whose surfaces the other
+ * cameras would see from there, when it is first asked for. \param sides T_v_c of the other cameras */
 std::shared_ptr<const Map> mapForRig(std::shared_ptr<const Map> map, std::vector<Eigen::Isometry3d> sides);
 
 /** \brief Localizes a camera in a map: from one view, or from all views of a moving camera so far, where
