@@ -52,7 +52,7 @@ TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
   const std::string results = folder_ / "results", moved = folder_ / "moved";
   ok(runTool<localizeApp>({map(), query(), "-o", results}));
   fs::create_directories(moved);
-  std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
+  std::vector<StampedPose> poses = readTrajectory(query() + "/groundtruth.txt").poses();
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   motion.linear() = expSO3({0.2, -0.4, 2});
   motion.translation() << 30, -20, 5;
@@ -91,7 +91,7 @@ TEST_F(Tools, EvaluateKnowsErrorsRelativeToLocalModels) {
 
 TEST_F(Tools, EvaluateJudgesATrajectory) {
   const std::string truth = map_run() + "/groundtruth.txt", estimate = folder_ / "walk.txt";
-  std::vector<StampedPose> poses = readTumTrajectory(truth).poses();
+  std::vector<StampedPose> poses = readTrajectory(truth).poses();
   const std::size_t all = poses.size();
   for (StampedPose& pose : poses) pose.T_w_c.translation() *= 1.01;
   writeTumTrajectory(estimate, poses);

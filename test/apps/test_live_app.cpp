@@ -49,7 +49,7 @@ void expectWholeResults(const std::string& folder, std::size_t least_frames) {
   EXPECT_EQ(readTiming(folder).size(), rows.size());
   const auto localized =
       std::count_if(rows.begin(), rows.end(), [](const ResultRow& row) { return row.rank == 1; });
-  EXPECT_EQ(readTumTrajectory(folder + "/poses_tum.txt").poses().size(), static_cast<std::size_t>(localized));
+  EXPECT_EQ(readTrajectory(folder + "/poses_tum.txt").poses().size(), static_cast<std::size_t>(localized));
   EXPECT_THAT(contentOf(folder + "/params.ini"), HasSubstr("width = 320"));
 }
 
@@ -113,8 +113,8 @@ TEST_F(LiveTool, LocalizesInAMap) {
   const ToolRun run = ok(runLive(
       {"--device", sequence(), "--map", map(), "--headless", "--results", results, "--speed", kSlowly}));
   expectWholeResults(results, 5);
-  const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
-  const auto poses = readTumTrajectory(results + "/poses_tum.txt").poses();
+  const Trajectory truth = readTrajectory(sequence() + "/groundtruth.txt");
+  const auto poses = readTrajectory(results + "/poses_tum.txt").poses();
   EXPECT_GE(poses.size(), 5u) << run.out;
   for (const StampedPose& pose : poses) {
     const auto true_pose = truth.at(pose.stamp);

@@ -44,7 +44,7 @@ TEST_F(LiveTool, AKilledRunHasLostNothing) {
   process.signal(SIGKILL);
   EXPECT_EQ(process.wait().code, 128 + SIGKILL);
   EXPECT_GE(readHypotheses(results).size(), 5u);
-  EXPECT_NO_THROW(readTumTrajectory(results + "/poses_tum.txt"));
+  EXPECT_NO_THROW(readTrajectory(results + "/poses_tum.txt"));
 }
 
 }  // namespace

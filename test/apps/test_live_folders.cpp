@@ -25,8 +25,8 @@ TEST_F(LiveTool, LeavesOutCloudsThatCannotBeRead) {
   for (const int bad : {0, 4}) writeContent(clouds + "/" + names[bad], "no PCD at all");
   EXPECT_THAT(ok(runLive({"--device", clouds, "--map", map(), "--headless", "--results", results})).err,
               HasSubstr("frames are missing: "));
-  const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
-  const auto poses = readTumTrajectory(results + "/poses_tum.txt").poses();
+  const Trajectory truth = readTrajectory(sequence() + "/groundtruth.txt");
+  const auto poses = readTrajectory(results + "/poses_tum.txt").poses();
   EXPECT_GE(poses.size(), 3u);
   for (const StampedPose& pose : poses) {
     const auto true_pose = truth.at(pose.stamp, 1e-6);

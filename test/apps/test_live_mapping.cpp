@@ -23,7 +23,7 @@ TEST_F(LiveTool, MakesAMapInWhichTheCameraIsFound) {
   const Map map = readMap(made);
   ASSERT_GE(map.models.size(), 5u);
   EXPECT_GE(map.links.size(), map.models.size() - 1);
-  const Trajectory truth = readTumTrajectory(sequence() + "/groundtruth.txt");
+  const Trajectory truth = readTrajectory(sequence() + "/groundtruth.txt");
   const auto trueAt = [&](double stamp) { return *truth.at(stamp, 1e-3); };
   const Eigen::Isometry3d T_true_w = trueAt(map.models.front().stamp) * map.models.front().T_w_m->inverse();
   for (const LocalModel& model : map.models) {
@@ -33,7 +33,7 @@ TEST_F(LiveTool, MakesAMapInWhichTheCameraIsFound) {
   }
 
   ok(runLive({"--device", sequence(), "--headless", "--map", made, "--results", again}));
-  const auto found = readTumTrajectory(again + "/poses_tum.txt").poses();
+  const auto found = readTrajectory(again + "/poses_tum.txt").poses();
   EXPECT_GE(found.size(), 20u);
   for (const StampedPose& pose : found) {
     const Eigen::Isometry3d T = T_true_w * pose.T_w_c;

@@ -129,7 +129,7 @@ TEST_F(LivePipe, RawFramesOfAVideoDeviceAreReadAsOne) {
   const ToolRun run = runLive({"--device", raw, "--camera", sequence() + "/camera.ini", "--headless",
                                "--every-frame", "--map", map(), "--results", results});
   ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_EQ(readTumTrajectory(results + "/poses_tum.txt").poses().size(), 10u) << run.out;
+  EXPECT_EQ(readTrajectory(results + "/poses_tum.txt").poses().size(), 10u) << run.out;
 }
 
 }  // namespace

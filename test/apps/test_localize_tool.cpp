@@ -18,7 +18,7 @@ namespace {
 TEST_F(Tools, MapImagesAreFoundInTheirMap) {
   ok(runTool<localizeApp>({map(), map_run(), "-o", folder_ / "results"}));
   const auto rows = readHypotheses(folder_ / "results");
-  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  const Trajectory truth = readTrajectory(map_run() + "/groundtruth.txt");
   const Evaluation evaluation = evaluate(rows, truth, {}, {});
   int localized = 0;
   for (const FrameEvaluation& f : evaluation.frames) localized += f.first_correct == 1;
@@ -31,7 +31,7 @@ TEST_F(Tools, AMapOfLinksAloneLocalizesAsWellAsOneWithPoses) {
   writeMap(folder_ / "bare.flmap", bare);
   const auto sureIn = [&](const std::string& map, const std::string& results) {
     ok(runTool<localizeApp>({map, query(), "-o", folder_ / results}));
-    return readTumTrajectory(folder_ / (results + "/poses_tum.txt")).poses().size();
+    return readTrajectory(folder_ / (results + "/poses_tum.txt")).poses().size();
   };
   const std::size_t with_poses = sureIn(map(), "posed");
   EXPECT_GT(with_poses, 0u);
@@ -61,7 +61,7 @@ TEST_F(Tools, FoldersOfARigAreOneViewWithThePoseOfTheFirst) {
   ok(runTool<localizeApp>({map(), folder_ / "rig", "-o", folder_ / "both"}));
   EXPECT_THAT(contentOf(folder_ / "both/params.ini"), HasSubstr("# rig: front other, rotation_std_deg 0.5"));
   const auto answers = [&](const char* results) {
-    return evaluate(readHypotheses(folder_ / results), readTumTrajectory(query() + "/groundtruth.txt"), {},
+    return evaluate(readHypotheses(folder_ / results), readTrajectory(query() + "/groundtruth.txt"), {},
                     {});
   };
   const Summary one = summarize("", answers("one").frames), both = summarize("", answers("both").frames);
@@ -138,7 +138,7 @@ TEST_F(Tools, ThePapersMethodFindsPlaces) {
   EXPECT_THAT(contentOf(fs::path(results) / "params.ini"),
               HasAll("max_expansions = 1000", "max_hypotheses = 20"));
   const Summary all = summarize(
-      "", evaluate(readHypotheses(results), readTumTrajectory(query() + "/groundtruth.txt"), {}, {}).frames);
+      "", evaluate(readHypotheses(results), readTrajectory(query() + "/groundtruth.txt"), {}, {}).frames);
   EXPECT_EQ(all.none, 0u);
   EXPECT_GE(all.correct, all.total * 5 / 6);
 }
@@ -152,9 +152,9 @@ TEST_F(Tools, ADriveIsLocalizedAsOne) {
   const fs::path once = run("1"), again = run("2");
   EXPECT_EQ(contentOf(once / "hypotheses.csv"), contentOf(again / "hypotheses.csv"));
   EXPECT_THAT(contentOf(once / "params.ini"), HasSubstr("look_distance"));
-  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  const Trajectory truth = readTrajectory(map_run() + "/groundtruth.txt");
   int sure = 0;
-  const Trajectory found = readTumTrajectory(once / "poses_tum.txt");
+  const Trajectory found = readTrajectory(once / "poses_tum.txt");
   for (const StampedPose& p : found.poses()) {
     ++sure;
     EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
@@ -171,9 +171,9 @@ TEST_F(Tools, ADriveIsAlsoLocalizedByItsLaterImages) {
     return folder_ / name;
   };
   const std::string filtered = run("filtered", {}), smoothed = run("smoothed", {"--smooth"});
-  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
-  const auto sure = readTumTrajectory(smoothed + "/poses_tum.txt").poses();
-  EXPECT_GE(sure.size(), readTumTrajectory(filtered + "/poses_tum.txt").poses().size());
+  const Trajectory truth = readTrajectory(map_run() + "/groundtruth.txt");
+  const auto sure = readTrajectory(smoothed + "/poses_tum.txt").poses();
+  EXPECT_GE(sure.size(), readTrajectory(filtered + "/poses_tum.txt").poses().size());
   for (const StampedPose& p : sure) EXPECT_TRUE(isNear(p.T_w_c, *truth.at(p.stamp, 0.02), 0.2, 2)) << p.stamp;
   EXPECT_THAT(contentOf(smoothed + "/params.ini"), HasSubstr("smooth = 1"));
   EXPECT_EQ(runTool<localizeApp>({map(), map_run(), "-o", filtered, "--smooth"}).code, kUsage);
@@ -448,7 +448,7 @@ TEST_F(Tools, LocalizeDistinguishesSureAnswers) {
   EXPECT_THAT(run.out, HasSubstr("12 images: " + std::to_string(sure) + " sure, " +
                                  std::to_string(count(usual, AnswerState::doubtful)) + " doubtful, " +
                                  std::to_string(count(usual, AnswerState::unknown)) + " unknown; "));
-  EXPECT_EQ(readTumTrajectory(usual + "/poses_tum.txt").poses().size(), static_cast<std::size_t>(sure));
+  EXPECT_EQ(readTrajectory(usual + "/poses_tum.txt").poses().size(), static_cast<std::size_t>(sure));
   for (const auto& [frame, P] : readCovariances(usual)) EXPECT_EQ(P.llt().info(), Eigen::Success) << frame;
 
   ok(runTool<localizeApp>({map(), query(), "-o", strict, "--min-probability", "1"}));

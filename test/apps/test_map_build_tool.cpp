@@ -24,7 +24,7 @@ TEST_F(Tools, MapBuildRemovesTheDepthDistortion) {
     ok(runMap(Arguments{"build", folder_ / "map", "-o", map} + options));
     ok(runTool<localizeApp>({map, folder_ / "query", "-o", results}));
     const Evaluation evaluation =
-        evaluate(readHypotheses(results), readTumTrajectory(folder_ / "query/groundtruth.txt"), {}, {});
+        evaluate(readHypotheses(results), readTrajectory(folder_ / "query/groundtruth.txt"), {}, {});
     return summarize("", evaluation.frames).translation_mm.mean;
   };
   const double raw = meanError("raw", {"--raw-depth"}), corrected = meanError("corrected", {});
@@ -118,7 +118,7 @@ TEST_F(Tools, MapBuildResumesNothingOfOtherInputs) {
   const auto resume = [&] { return runMap({"build", input, "-o", path, "--every", "3", "--resume"}); };
   ok(resume());
   ok(resume());
-  std::vector<StampedPose> poses = readTumTrajectory(query() + "/groundtruth.txt").poses();
+  std::vector<StampedPose> poses = readTrajectory(query() + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.T_w_c.translation().x() += 0.01;
   writeTumTrajectory(input + "/groundtruth.txt", poses);
   EXPECT_EQ(resume().code, kFailed);
@@ -146,13 +146,13 @@ TEST_F(Tools, MapBuildEstimatesTheTrajectory) {
               HasAll("trajectory: way", "1 piece"));
   const Map map = readMap(path);
   ASSERT_GT(map.models.size(), 5u);
-  const Trajectory truth = readTumTrajectory(map_run() + "/groundtruth.txt");
+  const Trajectory truth = readTrajectory(map_run() + "/groundtruth.txt");
   const Eigen::Isometry3d T = *truth.at(map.models[0].stamp) * map.models[0].T_w_m->inverse();
   for (const LocalModel& model : map.models)
     EXPECT_LT((T * model.T_w_m->translation() - truth.at(model.stamp)->translation()).norm(), 0.1)
         << model.name;
   EXPECT_GE(map.links.size(), map.models.size() - 1);
-  EXPECT_EQ(readTumTrajectory(found).poses().size(), truth.poses().size());
+  EXPECT_EQ(readTrajectory(found).poses().size(), truth.poses().size());
 
   const std::string again = folder_ / "again.flmap";
   ok(runMap({"build", map_run(), "-o", again, "--without-poses", "--threads", "1"}));
@@ -166,7 +166,7 @@ TEST_F(Tools, MapBuildEstimatesTheTrajectory) {
 
 TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
   const std::string odometry = folder_ / "odometry.txt";
-  std::vector<StampedPose> poses = readTumTrajectory(map_run() + "/groundtruth.txt").poses();
+  std::vector<StampedPose> poses = readTrajectory(map_run() + "/groundtruth.txt").poses();
   const CameraMounting mounting = *DepthSequence::open(map_run()).camera()->camera.mounting;
   Eigen::Isometry3d drift = Eigen::Isometry3d::Identity();
   for (StampedPose& pose : poses) {
@@ -189,13 +189,13 @@ TEST_F(Tools, MapBuildUsesAnOdometryThatDrifts) {
 TEST_F(Tools, MapBuildAllowsForTheUnknownLeanOfARobotOnWheels) {
   ok(runTool<simulateApp>({"room", "-o", folder_ / "", "--seed", "8", "--map-frames", "120", "--query-frames",
                            "2", "--width", "320", "--odometry"}));
-  const Trajectory truth = readTumTrajectory(folder_ / "map/groundtruth.txt");
+  const Trajectory truth = readTrajectory(folder_ / "map/groundtruth.txt");
   const auto errorWith = [&](const std::vector<std::string>& options) {
     const std::string found = folder_ / "found.txt";
     ok(runMap(Arguments{"build", folder_ / "map", "-o", folder_ / "m.flmap", "--without-poses",
                         "--trajectory", found, "--overwrite"} +
               options));
-    return trajectoryErrors(readTumTrajectory(found), truth, 0.02).absolute.rmse;
+    return trajectoryErrors(readTrajectory(found), truth, 0.02).absolute.rmse;
   };
   const double without = errorWith({}), with = errorWith({"--odometry", folder_ / "map/odometry.txt"});
   EXPECT_LT(with, 1.2 * without);
@@ -210,7 +210,7 @@ TEST_F(Tools, MapBuildByEveryNeedsNoPoses) {
 }
 
 TEST_F(Tools, MapBuildNamesPosesOfAnotherConvention) {
-  std::vector<StampedPose> inverted = readTumTrajectory(map_run() + "/groundtruth.txt").poses();
+  std::vector<StampedPose> inverted = readTrajectory(map_run() + "/groundtruth.txt").poses();
   for (StampedPose& pose : inverted) pose.T_w_c = pose.T_w_c.inverse();
   writeTumTrajectory(folder_ / "inverted.txt", inverted);
   const std::string path = folder_ / "m.flmap";

@@ -33,7 +33,7 @@ TEST_F(Tools, MapExtendBringsAMapUpToDateOnce) {
   EXPECT_THAT(extended.meta.at("session 2"), HasSubstr("12 images"));
   EXPECT_EQ(extended.meta.at("source"), before.meta.at("source"));
   EXPECT_EQ(extended.ambiguity.has_value(), before.ambiguity.has_value());
-  EXPECT_FALSE(readTumTrajectory(poses).empty());
+  EXPECT_FALSE(readTrajectory(poses).empty());
 
   ok(runMap({"extend", path, query()}));
   const Map twice = readMap(path);
@@ -82,12 +82,12 @@ TEST_F(Tools, MapChangesListsSurfacesAndLeavesTheMap) {
 
 TEST_F(Tools, MapExtendFindsASessionInCoordinatesOfItsOwn) {
   std::vector<StampedPose> moved;
-  const Trajectory truth = readTumTrajectory(query() + "/groundtruth.txt");
+  const Trajectory truth = readTrajectory(query() + "/groundtruth.txt");
   for (const StampedPose& p : truth.poses()) moved.push_back({p.stamp, kMove * p.T_w_c});
   const std::string poses = folder_ / "poses.txt", found = folder_ / "found.txt";
   writeTumTrajectory(poses, moved);
   ok(runMap({"extend", map(), query(), "-o", folder_ / "m.flmap", "--poses", poses, "--trajectory", found}));
-  const Trajectory in_map = readTumTrajectory(found);
+  const Trajectory in_map = readTrajectory(found);
   EXPECT_FALSE(in_map.empty());
   for (const StampedPose& p : in_map.poses()) EXPECT_THAT(p.T_w_c, PoseNear(*truth.at(p.stamp), 0.05, 1));
 }

@@ -32,7 +32,7 @@ protected:
     ok(runTool<localizeApp>({map, localized, "-o", results}));
     EXPECT_THAT(ok(runTool<evaluateApp>({results, localized, "--map", map})).out, HasSubstr("12 (100.00 %)"));
     const Trajectory truth = DepthSequence::readTruth(localized);
-    const Trajectory found = readTumTrajectory(results + "/poses_tum.txt");
+    const Trajectory found = readTrajectory(results + "/poses_tum.txt");
     EXPECT_GE(found.poses().size(), 10u);
     for (const StampedPose& pose : found.poses())
       EXPECT_LT((pose.T_w_c.translation() - truth.at(pose.stamp)->translation()).norm(), 0.1);
@@ -236,7 +236,7 @@ TEST_F(Layouts, NumberedImagesWithMorePosesMakeNoMap) {
 
 TEST_F(Layouts, AMapIsNotMadeOfAFewPosesThatNothingChecks) {
   const std::string input = folder_.copyOf(map_run(), "input");
-  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  std::vector<StampedPose> poses = readTrajectory(input + "/groundtruth.txt").poses();
   poses.resize(2);
   writeTumTrajectory(input + "/groundtruth.txt", poses);
   EXPECT_THAT(runMap({"build", input, "-o", folder_ / "a.flmap"}),
@@ -246,7 +246,7 @@ TEST_F(Layouts, AMapIsNotMadeOfAFewPosesThatNothingChecks) {
 
 TEST_F(Layouts, PosesInAnotherConventionAreReadAsTheirCheckSays) {
   const std::string input = folder_.copyOf(map_run(), "input");
-  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  std::vector<StampedPose> poses = readTrajectory(input + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.T_w_c = pose.T_w_c.inverse();
   writeTumTrajectory(input + "/groundtruth.txt", poses);
   EXPECT_THAT(runMap({"build", input, "-o", folder_ / "a.flmap"}), fails("--poses-are inverse"));
@@ -314,7 +314,7 @@ TEST_F(Layouts, TheOdometryOfABagIsTakenForAMap) {
   copyCamera(map_run(), walk.parent_path());  // which tells the mounting
   const std::string found = folder_ / "found.txt";
   ok(runMap({"build", walk, "-o", folder_ / "a.flmap", "--odometry", walk, "--trajectory", found}));
-  const Trajectory mapped = readTumTrajectory(found);
+  const Trajectory mapped = readTrajectory(found);
   ASSERT_EQ(mapped.poses().size(), static_cast<std::size_t>(kFrames));
   const Eigen::Isometry3d T = *truth.at(mapped.poses()[0].stamp) * mapped.poses()[0].T_w_c.inverse();
   for (const StampedPose& pose : mapped.poses())
@@ -349,7 +349,7 @@ TEST_F(Layouts, ACameraThatIsNamedStandsForItsFile) {
 
 TEST_F(Layouts, ATimeOffsetBringsImagesAndPosesTogether) {
   const std::string input = folder_.copyOf(query(), "input");
-  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  std::vector<StampedPose> poses = readTrajectory(input + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.stamp += 100;
   writeTumTrajectory(input + "/groundtruth.txt", poses);
   EXPECT_EQ(runMap({"build", input, "-o", folder_ / "a.flmap"}).code, kFailed);

@@ -147,7 +147,7 @@ TEST_F(RecordingTools, CheckAndBuildNameAScaleByThePoses) {
 
 TEST_F(RecordingTools, CheckDoubtsPosesThatAreNotTheImages) {
   const std::string input = copyOf(map_run());
-  std::vector<StampedPose> poses = readTumTrajectory(input + "/groundtruth.txt").poses();
+  std::vector<StampedPose> poses = readTrajectory(input + "/groundtruth.txt").poses();
   for (StampedPose& pose : poses) pose.stamp += 1000;
   writeTumTrajectory(input + "/groundtruth.txt", poses);
   EXPECT_THAT(check(input).out, HasAll("0 images of 12 have one", "--time-offset"));
@@ -214,7 +214,7 @@ TEST_F(RecordingTools, ConvertWritesTheOdometryOfABag) {
   const DepthSequence walk = DepthSequence::open(map_run());
   ASSERT_TRUE(writeBag(walk, folder_ / "walk.bag", "uint16", walk.groundTruth()));
   EXPECT_THAT(ok(convert(folder_ / "walk.bag", "out")).out, HasSubstr("12 poses in odometry.txt"));
-  EXPECT_EQ(readTumTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
+  EXPECT_EQ(readTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
   EXPECT_EQ(DepthSequence::open(folder_ / "out").frames().size(), 12u);
 }
 
@@ -225,7 +225,7 @@ TEST_F(RecordingTools, ConvertWritesThePosesAndGravityOfRos2Messages) {
                              walk.groundTruth()));
   EXPECT_THAT(ok(convert(folder_ / "walk.mcap", "out")).out,
               HasSubstr("12 poses in odometry.txt, gravity.txt"));
-  EXPECT_EQ(readTumTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
+  EXPECT_EQ(readTrajectory(folder_ / "out/odometry.txt").poses().size(), 12u);
   const GravityRecord gravity = readGravity(folder_ / "out/gravity.txt", kDegree);
   ASSERT_EQ(gravity.samples().size(), 12u);
   EXPECT_LT((gravity.samples()[5].gravity.down - Eigen::Vector3d::UnitY()).norm(), 1e-6);

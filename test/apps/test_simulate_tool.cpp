@@ -90,8 +90,8 @@ TEST_F(Tools, SimulateMakesMapsThatAreALittleOff) {
   for (const char* run : {"map", "query"})
     EXPECT_EQ(contentOf(folder_ / ("moved/" + std::string(run) + "/groundtruth.txt")),
               contentOf(folder_ / ("true/" + std::string(run) + "/groundtruth.txt")));
-  const Trajectory moved = readTumTrajectory(folder_ / "moved/map/poses.txt"),
-                   truth = readTumTrajectory(folder_ / "true/map/groundtruth.txt");
+  const Trajectory moved = readTrajectory(folder_ / "moved/map/poses.txt"),
+                   truth = readTrajectory(folder_ / "true/map/groundtruth.txt");
   ASSERT_EQ(moved.poses().size(), truth.poses().size());
   const double error = (moved.poses()[0].T_w_c.translation() - truth.poses()[0].T_w_c.translation()).norm();
   EXPECT_GT(error, 0.005);
@@ -190,9 +190,9 @@ TEST_F(Tools, SimulateWritesTheWheelOdometry) {
     EXPECT_FALSE(fs::exists(folder_ / "without/" + run + "/odometry.txt"));
     const std::string truth = "/" + run + "/groundtruth.txt", told = "/" + run + "/odometry.txt";
     EXPECT_EQ(contentOf(folder_ / "without" + truth), contentOf(folder_ / "with" + truth));
-    const Trajectory camera = readTumTrajectory(folder_ / "exact" + truth),
-                     base = readTumTrajectory(folder_ / "exact" + told),
-                     noisy = readTumTrajectory(folder_ / "with" + told);
+    const Trajectory camera = readTrajectory(folder_ / "exact" + truth),
+                     base = readTrajectory(folder_ / "exact" + told),
+                     noisy = readTrajectory(folder_ / "with" + told);
     ASSERT_EQ(base.poses().size(), camera.poses().size());
     ASSERT_EQ(noisy.poses().size(), camera.poses().size());
     const Eigen::Isometry3d T_b_c = DriveParams{}.mounting().T_b_c();
