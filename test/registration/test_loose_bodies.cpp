@@ -64,6 +64,10 @@ TEST(LooseBodies, OfAnEmptyMapHideIt) {
   EXPECT_GT(person, 0.95);
   EXPECT_LT(others, 0.1);
   EXPECT_FALSE(anyOf(bodies.before(kCamera, {{&view.depth, kCamera}}, kComparison)));
+  const LooseBodies::Chosen furniture = bodies.shown(kCamera, {{&empty.depth, kCamera}}, kComparison);
+  for (std::size_t k = 0; k < furniture.size(); ++k)
+    EXPECT_NE(furniture[k], hiding[k]) << "the table, the person";
+  EXPECT_TRUE(anyOf(bodies.shown(kCamera, {{&view.depth, kCamera}}, kComparison)));
 }
 
 TEST(LooseBodies, AreNoWallsAndNoFloor) {

@@ -142,13 +142,13 @@ LooseBodies::LooseBodies(const View& view) : view_(view) {
     }
 }
 
-LooseBodies::Chosen LooseBodies::before(const Eigen::Isometry3d& T_w_c,
-                                        const std::vector<PosedPicture>& pictures,
-                                        const DepthComparison& comparison) const {
+LooseBodies::Chosen LooseBodies::labelled(DepthLabel label, const Eigen::Isometry3d& T_w_c,
+                                          const std::vector<PosedPicture>& pictures,
+                                          const DepthComparison& comparison) const {
   Chosen chosen(count_, 0);
   if (empty()) return chosen;
   const DepthPicture& depth = view_.depth;
-  std::vector<int> balance(count_ + 1, 0);  // verdicts that a body lies before surfaces, minus all others
+  std::vector<int> balance(count_ + 1, 0);  // verdicts of this kind on a body, minus all others
   const int step = gridStep(depth, kFineColumns);
   DepthLabels labels;
   for (const PosedPicture& other : pictures) {
@@ -159,7 +159,7 @@ LooseBodies::Chosen LooseBodies::before(const Eigen::Isometry3d& T_w_c,
       const std::uint8_t* row = &body_[std::size_t(v) * depth.camera.width];
       for (std::size_t i = 0; i < labels.size(); ++i)
         if (labels[i] != DepthLabel::outside)
-          balance[row[step / 2 + i * step]] += labels[i] == DepthLabel::contradict ? 1 : -1;
+          balance[row[step / 2 + i * step]] += labels[i] == label ? 1 : -1;
     }
   }
   for (int i = 0; i < count_; ++i) chosen[i] = balance[i + 1] > 0;

@@ -22,12 +22,22 @@ public:
   using Chosen = std::vector<char>;
   /** \brief Bodies most of whose pixels lie before the surfaces that the pictures show there. */
   Chosen before(const Eigen::Isometry3d& T_w_c, const std::vector<PosedPicture>& pictures,
-                const DepthComparison& comparison) const;
+                const DepthComparison& comparison) const {
+    return labelled(DepthLabel::contradict, T_w_c, pictures, comparison);
+  }
+  /** \brief Bodies most of whose pixels the pictures show where they are: furniture of that place. */
+  Chosen shown(const Eigen::Isometry3d& T_w_c, const std::vector<PosedPicture>& pictures,
+               const DepthComparison& comparison) const {
+    return labelled(DepthLabel::agree, T_w_c, pictures, comparison);
+  }
 
   /** \brief The depth of the view, unknown where these bodies are. */
   DepthPicture pictureWithout(const Chosen& bodies) const;
 
 private:
+  Chosen labelled(DepthLabel label, const Eigen::Isometry3d& T_w_c, const std::vector<PosedPicture>& pictures,
+                  const DepthComparison& comparison) const;
+
   const View& view_;
   int count_ = 0;
   std::vector<std::uint8_t> body_;  // number of the body at each pixel of the picture, 0 = none

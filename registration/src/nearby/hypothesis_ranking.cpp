@@ -261,9 +261,47 @@ PixelVerdict HypothesisRanking::verdict(const View& scene, const LooseBodies& bo
                                         bool refined) const {
   const std::vector<NearbyView> models = neighbours(h);
   if (refined) refine(scene, models, h);
-  const double evidence_here =
-      evidence(scene, bodies, models, h, refined ? refined_comparison_ : comparison_);
-  return {h.T_m_c, h.T_w_c, evidence_here, h.coverage, !models.empty()};
+  const DepthComparison& comparison = refined ? refined_comparison_ : comparison_;
+  const double evidence_here = evidenceOf(scene.depth, scene, models, h, comparison);
+  PixelVerdict out{h.T_m_c, h.T_w_c, evidence_here, h.coverage, !models.empty()};
+  if (h.coverage.contradicted > 0) out.hiding = bodies.before(*h.T_w_c, picturesOf(models), comparison);
+  return out;
+}
+
+// The verdicts on the first n hypotheses. Bodies that stand before the map at a place hide it there and say
+// nothing against the place, unless the best place shows them: then they are furniture.
+std::vector<PixelVerdict> HypothesisRanking::verdicts(const View& scene,
+                                                      const std::vector<Hypothesis>& hypotheses,
+                                                      std::size_t n, bool refined,
+                                                      PixelVerdicts& known) const {
+  const LooseBodies& bodies = known.bodiesOf(scene);
+  const DepthComparison& comparison = refined ? refined_comparison_ : comparison_;
+  std::vector<PixelVerdict> found(n);
+  std::vector<Hypothesis> judged(hypotheses.begin(), hypotheses.begin() + static_cast<std::ptrdiff_t>(n));
+  std::size_t best = n;
+  for (std::size_t i = 0; i < n; ++i) {
+    Hypothesis& h = judged[i];
+    if (!h.T_w_c) continue;
+    found[i] = known.of(h, {}, [&] { return verdict(scene, bodies, h, refined); });
+    h.T_m_c = found[i].T_m_c, h.T_w_c = found[i].T_w_c, h.score = h.consensus + found[i].evidence;
+    if (best == n || h.score > judged[best].score) best = i;
+  }
+  if (bodies.empty() || best == n) return found;
+  const LooseBodies::Chosen furniture =
+      bodies.shown(*judged[best].T_w_c, picturesOf(neighbours(judged[best])), comparison);
+  for (std::size_t i = 0; i < n; ++i) {
+    Hypothesis& h = judged[i];
+    LooseBodies::Chosen left_out = found[i].hiding;
+    for (std::size_t k = 0; k < left_out.size(); ++k) left_out[k] = left_out[k] && !furniture[k];
+    if (!anyOf(left_out)) continue;
+    const PixelVerdict& behind = known.of(h, left_out, [&] {
+      const double of_rest = evidenceOf(bodies.pictureWithout(left_out), scene, neighbours(h), h, comparison);
+      return PixelVerdict{h.T_m_c, h.T_w_c, of_rest, h.coverage, true};
+    });
+    if (behind.evidence > found[i].evidence)
+      found[i].evidence = behind.evidence, found[i].coverage = behind.coverage;
+  }
+  return found;
 }
 
 bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& hypotheses,
@@ -272,24 +310,19 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
   if (!params_.evidence.enabled || scene.depth.empty()) return false;
   const std::size_t n =
       hopeful(hypotheses, params_.evidence.hypotheses, params_.calibration.plain_probability.slope);
-  const LooseBodies& bodies = known.bodiesOf(scene);
+  const std::vector<PixelVerdict> said = verdicts(scene, hypotheses, n, false, known);
   bool any = false;
   double least = std::numeric_limits<double>::infinity();
-  std::vector<double> found(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
-    Hypothesis& h = hypotheses[i];
-    if (!h.T_w_c) continue;
-    const PixelVerdict& said =
-        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, bodies, judged, false); });
-    h.coverage = said.coverage;
-    found[i] = said.evidence;
-    any = any || said.compared;
-    least = std::min(least, found[i]);
+    if (!hypotheses[i].T_w_c) continue;
+    hypotheses[i].coverage = said[i].coverage;
+    any = any || said[i].compared;
+    least = std::min(least, said[i].evidence);
   }
   if (!any) return false;
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     Hypothesis& h = hypotheses[i];
-    h.evidence = i < n && h.T_w_c ? found[i] : least;
+    h.evidence = i < n && h.T_w_c ? said[i].evidence : least;
     h.score = h.consensus + h.evidence;
   }
   return true;
@@ -298,16 +331,14 @@ bool HypothesisRanking::addEvidence(const View& scene, std::vector<Hypothesis>& 
 void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses,
                                      PixelVerdicts& known) const {
   const std::size_t n = hopeful(hypotheses, kRefinedPlaces, params_.calibration.probability.slope);
-  const LooseBodies& bodies = known.bodiesOf(scene);
+  const std::vector<PixelVerdict> said = verdicts(scene, hypotheses, n, true, known);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = hypotheses[i];
     if (!h.T_w_c) continue;
-    const PixelVerdict& said =
-        known.of(h, [&](const Hypothesis& judged) { return verdict(scene, bodies, judged, true); });
-    h.T_m_c = said.T_m_c, h.T_w_c = said.T_w_c;
-    h.coverage = said.coverage;
-    h.evidence = said.evidence;
+    h.T_m_c = said[i].T_m_c, h.T_w_c = said[i].T_w_c;
+    h.coverage = said[i].coverage;
+    h.evidence = said[i].evidence;
     least = std::min(least, h.evidence);
   }
   // The others are compared with the larger errors of a pose that is not refined, which is no merit.

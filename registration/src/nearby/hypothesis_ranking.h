@@ -17,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -39,27 +40,28 @@ struct PixelVerdict {
   std::optional<Eigen::Isometry3d> T_w_c;
   double evidence = 0;  ///< [nats]
   Coverage coverage;
-  bool compared = false;  ///< with any local model
+  bool compared = false;         ///< with any local model
+  LooseBodies::Chosen hiding{};  ///< bodies of the scene that stand before the map
 };
 
 /** \brief The pixels' evidence about the hypotheses of one scene, so that a list that grows is compared and
  * refined anew only where it is new. */
 class PixelVerdicts {
 public:
-  /** \brief The verdict on a hypothesis with T_w_c, computed at the first request. \param judge
-   * Hypothesis -> PixelVerdict */
+  /** \brief The verdict on a hypothesis with T_w_c, computed at the first request. \param left_out bodies of
+   * the scene \param judge () -> PixelVerdict */
   template <typename Judge>
-  const PixelVerdict& of(const Hypothesis& h, Judge&& judge) {
-    Key key{h.model, {}};
-    Eigen::Map<Eigen::Matrix4d>(key.second.data()) = h.T_w_c->matrix();
+  const PixelVerdict& of(const Hypothesis& h, const LooseBodies::Chosen& left_out, Judge&& judge) {
+    Key key{h.model, {}, left_out};
+    Eigen::Map<Eigen::Matrix4d>(std::get<1>(key).data()) = h.T_w_c->matrix();
     const auto known = verdicts_.find(key);
-    return known != verdicts_.end() ? known->second : verdicts_.emplace(key, judge(h)).first->second;
+    return known != verdicts_.end() ? known->second : verdicts_.emplace(key, judge()).first->second;
   }
   /** \brief The bodies of the scene. */
   const LooseBodies& bodiesOf(const View& scene) { return bodies_ ? *bodies_ : bodies_.emplace(scene); }
 
 private:
-  using Key = std::pair<int, std::array<double, 16>>;
+  using Key = std::tuple<int, std::array<double, 16>, LooseBodies::Chosen>;
   std::map<Key, PixelVerdict> verdicts_;
   std::optional<LooseBodies> bodies_;
 };
@@ -169,6 +171,8 @@ private:
                     Hypothesis& h, const DepthComparison& comparison) const;
   Matrix6d shownCovariance(const View& scene, const PoseWithCovariance& prior, const Hypothesis& h) const;
   PixelVerdict verdict(const View& scene, const LooseBodies& bodies, Hypothesis h, bool refined) const;
+  std::vector<PixelVerdict> verdicts(const View& scene, const std::vector<Hypothesis>& hypotheses,
+                                     std::size_t n, bool refined, PixelVerdicts& known) const;
   void score(std::vector<Hypothesis>& places) const;
   std::size_t hopeful(const std::vector<Hypothesis>& sorted, int most, double slope) const;
 
