@@ -212,7 +212,7 @@ TEST_F(Sequence, ThereMustBeSomethingToRead) {
   EXPECT_THAT(openError(), HasSubstr("no depth images"));
   EXPECT_THAT(openError("none"), HasSubstr("does not exist"));
   putBytes(folder_ / "a.jpg", "x");
-  EXPECT_THAT(openError("a.jpg"), HasSubstr("no sequence"));
+  EXPECT_THAT(openError("a.jpg"), HasSubstr("is no recording"));
   putPng("1.png");
   EXPECT_THAT(openError(), HasSubstr("camera.ini"));
   putBytes(folder_ / "camera.ini", "nonsense");

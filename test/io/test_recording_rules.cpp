@@ -363,7 +363,7 @@ TEST_F(Rules, WithoutAMatchTheMessageListsTheContent) {
   EXPECT_THAT(errorOf(), HasAll("OpenEXR is not read", "oiiotool"));
   put("walk.db", "x");
   EXPECT_THAT(errorOf("walk.db"), HasSubstr("rtabmap-export"));
-  EXPECT_THAT(errorOf("rgb/0.jpg"), HasAll("no sequence", Not(HasSubstr("; ;"))));
+  EXPECT_THAT(errorOf("rgb/0.jpg"), HasAll("is no recording", Not(HasSubstr("; ;"))));
 }
 
 }  // namespace

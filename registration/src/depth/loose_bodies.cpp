@@ -166,6 +166,14 @@ LooseBodies::Chosen LooseBodies::labelled(DepthLabel label, const Eigen::Isometr
   return chosen;
 }
 
+LooseBodies::Chosen LooseBodies::before(const Eigen::Isometry3d& T_w_c,
+                                        const std::vector<PosedPicture>& pictures,
+                                        const DepthComparison& comparison) const {
+  Chosen chosen = labelled(DepthLabel::contradict, T_w_c, pictures, comparison);
+  for (std::size_t k = 0; k < furniture_.size(); ++k) chosen[k] = chosen[k] && !furniture_[k];
+  return chosen;
+}
+
 DepthPicture LooseBodies::pictureWithout(const Chosen& bodies) const {
   DepthPicture rest = view_.depth;
   for (std::size_t i = 0; i < body_.size(); ++i)

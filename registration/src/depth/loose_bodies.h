@@ -20,16 +20,18 @@ public:
 
   /** \brief One flag for each body. */
   using Chosen = std::vector<char>;
-  /** \brief Bodies most of whose pixels lie before the surfaces that the pictures show there. */
+  /** \brief Bodies most of whose pixels lie before the surfaces that the pictures show there, other than
+   * furniture. */
   Chosen before(const Eigen::Isometry3d& T_w_c, const std::vector<PosedPicture>& pictures,
-                const DepthComparison& comparison) const {
-    return labelled(DepthLabel::contradict, T_w_c, pictures, comparison);
-  }
+                const DepthComparison& comparison) const;
   /** \brief Bodies most of whose pixels the pictures show where they are: furniture of that place. */
   Chosen shown(const Eigen::Isometry3d& T_w_c, const std::vector<PosedPicture>& pictures,
                const DepthComparison& comparison) const {
     return labelled(DepthLabel::agree, T_w_c, pictures, comparison);
   }
+
+  /** \brief Takes bodies for furniture from now on. */
+  void keep(const Chosen& furniture) { furniture_ = furniture; }
 
   /** \brief The depth of the view, unknown where these bodies are. */
   DepthPicture pictureWithout(const Chosen& bodies) const;
@@ -40,6 +42,7 @@ private:
 
   const View& view_;
   int count_ = 0;
+  Chosen furniture_;                // of all bodies, or of none
   std::vector<std::uint8_t> body_;  // number of the body at each pixel of the picture, 0 = none
 };
 

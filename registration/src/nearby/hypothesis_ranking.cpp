@@ -207,6 +207,11 @@ double HypothesisRanking::evidence(const View& scene, const LooseBodies& bodies,
   return found;
 }
 
+LooseBodies::Chosen HypothesisRanking::furnitureAt(const Hypothesis& h, const LooseBodies& bodies) const {
+  if (bodies.empty()) return {};
+  return bodies.shown(*h.T_w_c, picturesOf(neighbours(h)), comparison_);
+}
+
 double HypothesisRanking::evidenceOf(const DepthPicture& depth, const View& scene,
                                      const std::vector<NearbyView>& neighbours, Hypothesis& h,
                                      const DepthComparison& comparison) const {
@@ -287,8 +292,7 @@ std::vector<PixelVerdict> HypothesisRanking::verdicts(const View& scene,
     if (best == n || h.score > judged[best].score) best = i;
   }
   if (bodies.empty() || best == n) return found;
-  const LooseBodies::Chosen furniture =
-      bodies.shown(*judged[best].T_w_c, picturesOf(neighbours(judged[best])), comparison);
+  const LooseBodies::Chosen furniture = furnitureAt(judged[best], bodies);
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = judged[i];
     LooseBodies::Chosen left_out = found[i].hiding;

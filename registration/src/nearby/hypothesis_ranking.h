@@ -115,6 +115,9 @@ public:
    * again, with the errors that a refined pose leaves; merges and scores. For places that have evidence. */
   void refinePlaces(const View& scene, std::vector<Hypothesis>& hypotheses, PixelVerdicts& known) const;
 
+  /** \brief Bodies of a view that the map shows at a hypothesis with T_w_c: they are furniture. */
+  LooseBodies::Chosen furnitureAt(const Hypothesis& h, const LooseBodies& bodies) const;
+
   /** \brief Gives the first place and all that are possible, which stay where they are, the covariance that
    * the cost shows (METHOD 11.4), and all places the errors that no pixel shows. \param prior T_m_c that the
    * hypotheses were found with, positive definite

@@ -239,7 +239,8 @@ double PlaceBelief::historyOf(const Hypothesis& place) const {
     for (const MotionMode& chain : observation.T_c_l) {
       const double sharp = sharpness(chain.T_a_b);
       if (sharp < kUnlikely) continue;
-      const auto seen = ranking_.at(Query(*observation.view), place.part, poseOf(place) * chain.T_a_b);
+      const auto seen = ranking_.at(Query(*observation.view), place.part, poseOf(place) * chain.T_a_b,
+                                    LooseBodies(*observation.view));
       const double odds =
           seen ? observation.weight * sharp * added(oddsOfKnown(*observation.view, *seen), observation.best)
                : 0;
@@ -292,13 +293,19 @@ std::optional<double> PlaceBelief::observe(std::shared_ptr<const View> view, con
   }
   const Query query(*view);
   std::vector<Candidates> seen(places_.size());
-  forEachInParallel(static_cast<int>(places_.size()), threads_, [&](int i) {
-    const auto there = ranking_.at(query, places_[i].part, places_[i].T_w_c);
+  LooseBodies bodies(*view);
+  const auto look = [&](int i) {
+    const auto there = ranking_.at(query, places_[i].part, places_[i].T_w_c, bodies);
     if (!there) return;
     PoseWithCovariance T_w_c = poseOf(*there);
     T_w_c.P = temper(places_[i].T_w_c.P, T_w_c.P, independence);
     seen[i].push_back({*there, T_w_c});
-  });
+  };
+  if (!places_.empty()) {  // the likeliest place tells which bodies are furniture
+    look(0);
+    if (!seen[0].empty()) bodies.keep(ranking_.furnitureAt(seen[0].front().match, bodies));
+    forEachInParallel(static_cast<int>(places_.size()) - 1, threads_, [&](int i) { look(i + 1); });
+  }
   std::vector<Hypothesis> fresh;
   if (found) fresh = sortFound(*found, seen);
 

@@ -73,8 +73,8 @@ ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorte
   return {params_.calibration.plain_probability.slope, params_.calibration.plain_probability.null_score};
 }
 
-std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
-                                           const PoseWithCovariance& T_w_c) const {
+std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part, const PoseWithCovariance& T_w_c,
+                                           const LooseBodies& bodies) const {
   Hypothesis h;
   h.part = part;
   h.T_w_c = T_w_c.T;
@@ -101,21 +101,24 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part,
   }
   best->supporting_models = {best->model};
   if (mayHaveEvidence(query.view))
-    best->evidence = evidence(query.view, LooseBodies(query.view), around, *best, refinedComparison());
+    best->evidence = evidence(query.view, bodies, around, *best, refinedComparison());
   best->score = best->consensus + evidenceWeight() * best->evidence;
   return best;
 }
 
 double PlaceRanking::oddsOfOther(const View& seen, const View& here, const View& other) const {
   constexpr double kCommon = 0.1;  // least share of the pixels that is compared
-  const LooseBodies bodies(seen);
+  LooseBodies bodies(seen);
   const auto evidenceOf = [&](const View& expected) -> std::optional<double> {
     Hypothesis h;
     h.T_w_c = Eigen::Isometry3d::Identity();
     const double found = evidence(seen, bodies, {{unowned(expected), *h.T_w_c}}, h, comparison());
     return h.coverage.compared >= kCommon ? std::optional(found) : std::nullopt;
   };
-  const std::optional<double> of_here = evidenceOf(here), of_other = evidenceOf(other);
+  const std::optional<double> of_here = evidenceOf(here);
+  const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
+  bodies.keep(bodies.shown(identity, {{&here.depth, identity}}, comparison()));
+  const std::optional<double> of_other = evidenceOf(other);
   return of_here && of_other ? std::min(0.0, odds(true, {}).slope * (*of_other - *of_here)) : 0;
 }
 

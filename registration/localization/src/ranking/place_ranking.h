@@ -25,8 +25,10 @@ public:
 
   /** \brief A place that is known from elsewhere, aligned with the local models around it and scored as if a
    * search had found it there. Nothing if there are none, for then the map says nothing.
-   * \param T_w_c in the frame of that part of the map, the prior of the alignment, positive definite */
-  std::optional<Hypothesis> at(const Query& query, int part, const PoseWithCovariance& T_w_c) const;
+   * \param T_w_c in the frame of that part of the map, the prior of the alignment, positive definite
+   * \param bodies of the view */
+  std::optional<Hypothesis> at(const Query& query, int part, const PoseWithCovariance& T_w_c,
+                               const LooseBodies& bodies) const;
   /** \brief Log odds of another place against the right one by the views that the map expects at both: at
    * most 0, and 0 where there is little to compare. \param seen, here expected at the right place, by
    * different local models \param other expected at the other one; all have pictures only, as seen from one
