@@ -76,7 +76,7 @@ private:
   std::uint16_t next_id_ = 1;
 };
 
-// ---- Places: a file each, NAME_floor.h, and those without a plan of their own, such as corridors.cpp ----
+// ---- Places: most have a file each, NAME_floor.cpp, corridors.cpp and so on ----
 SimulatedPlace officeFloor(std::uint64_t seed);
 SimulatedPlace homeFloor(std::uint64_t seed);
 SimulatedPlace hallFloor(std::uint64_t seed);
