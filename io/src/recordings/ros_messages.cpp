@@ -11,6 +11,12 @@ namespace {
 /** CDR2, D_CDR2 and PL_CDR2 of OMG's DDS-XTypes 7.6.3.1.2, of both byte orders. */
 bool isXcdr2(const std::uint8_t* kind) { return kind[0] == 0 && kind[1] >= 6 && kind[1] <= 11; }
 
+/** Without the slash in front, as tf once had it. */
+std::string readFrame(MessageReader& message) {
+  std::string frame = message.text();
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
 }  // namespace
 
 MessageReader::MessageReader(ByteView bytes, WireFormat format)
@@ -62,39 +68,27 @@ MessageHeader readHeader(MessageReader& message) {
     header.stamp = message.number<std::int32_t>();
   }
   header.stamp += kNanosecond * message.number<std::uint32_t>();
-  header.frame = message.text();
-  if (!header.frame.empty() && header.frame.front() == '/') header.frame.erase(0, 1);  // as tf once had it
+  header.frame = readFrame(message);
   return header;
 }
 
 ImageMessage ImageMessage::read(MessageReader& message) {
-  ImageMessage image;
-  image.header = readHeader(message);
-  image.height = message.number<std::uint32_t>();
-  image.width = message.number<std::uint32_t>();
-  image.encoding = message.text();
-  image.big_endian = message.number<std::uint8_t>() != 0;
-  image.step = message.number<std::uint32_t>();
-  image.data = message.bytes();
-  return image;
+  return {readHeader(message), message.number<std::uint32_t>(),     message.number<std::uint32_t>(),
+          message.text(),      message.number<std::uint8_t>() != 0, message.number<std::uint32_t>(),
+          message.bytes()};
 }
 
 CompressedImageMessage CompressedImageMessage::read(MessageReader& message) {
-  CompressedImageMessage image;
-  image.header = readHeader(message);
-  image.format = message.text();
-  image.data = message.bytes();
-  return image;
+  return {readHeader(message), message.text(), message.bytes()};
 }
 
 CameraInfoMessage CameraInfoMessage::read(MessageReader& message) {
-  CameraInfoMessage info;
-  info.header = readHeader(message);
-  info.height = message.number<std::uint32_t>();
-  info.width = message.number<std::uint32_t>();
-  info.distortion_model = message.text();
-  info.D = message.reals();
-  info.K = message.reals<9>();
+  CameraInfoMessage info{readHeader(message),
+                         message.number<std::uint32_t>(),
+                         message.number<std::uint32_t>(),
+                         message.text(),
+                         message.reals(),
+                         message.reals<9>()};
   message.skip<double>(9);  // R, of a stereo camera's rectification
   info.P = message.reals<12>();
   if (message.atEnd()) return info;  // as some writers end it
@@ -123,25 +117,15 @@ CameraInfoMessage CameraInfoMessage::ofImage() const {
 }
 
 OdometryMessage OdometryMessage::read(MessageReader& message) {
-  OdometryMessage odometry;
-  odometry.header = readHeader(message);
-  odometry.child_frame = message.text();
-  odometry.pose = message.reals<7>();
+  OdometryMessage odometry{readHeader(message), message.text(), message.reals<7>()};
   message.skip<double>(36 + 6 + 36);  // covariances and twist, which a message that is cut off lacks
   return odometry;
 }
 
 TransformsMessage TransformsMessage::read(MessageReader& message) {
   TransformsMessage tf;
-  for (auto n = message.number<std::uint32_t>(); n > 0; --n) {
-    TransformMessage transform;
-    transform.header = readHeader(message);
-    transform.child_frame = message.text();
-    if (!transform.child_frame.empty() && transform.child_frame.front() == '/')
-      transform.child_frame.erase(0, 1);
-    transform.pose = message.reals<7>();
-    tf.transforms.push_back(std::move(transform));
-  }
+  for (auto n = message.number<std::uint32_t>(); n > 0; --n)
+    tf.transforms.push_back({readHeader(message), readFrame(message), message.reals<7>()});
   return tf;
 }
 
