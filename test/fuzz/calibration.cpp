@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as a calibration in YAML or JSON. The lens of one that is read leaves finite images.
 #include "fuzz_file.h"
-#include "recordings/calibration_file.h"
+#include "recordings/recording_layout.h"
 
 #include <facetloc/io/error.h>
 

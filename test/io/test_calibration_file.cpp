@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/calibration_file.h"
+#include "recordings/recording_layout.h"
 #include "temporary_folder.h"
 
 #include <facetloc/io/depth_sequence.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "maps/map_connection.h"
-
 #include "bytes/files.h"
+#include "maps/map_reader.h"
 #include "maps/map_schema.h"
+
+#include <facetloc/io/map_database.h>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bytes/files.h"
 #include "images/depth_blob.h"
-#include "maps/map_connection.h"
 #include "maps/map_reader.h"
 #include "maps/map_rows.h"
 #include "maps/map_schema.h"

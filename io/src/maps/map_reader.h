@@ -5,6 +5,7 @@
 
 #include <facetloc/features/local_model.h>
 
+#include <filesystem>
 #include <functional>
 #include <istream>
 #include <memory>
@@ -14,6 +15,24 @@
 #include <vector>
 
 namespace facetloc {
+
+/** Map files that are opened. */
+namespace map_connection {
+
+inline constexpr const char* kFormatKey = "format";  ///< meta rows that belong to the file format
+inline constexpr const char* kConventionsKey = "conventions";
+
+/** \brief A new database with empty tables. \param shown its name in errors */
+sqlite::Connection create(const std::filesystem::path& path, const std::filesystem::path& shown);
+sqlite::Connection openForWriting(const std::filesystem::path& path);
+/** \brief Read-only. Only where a killed writer has left half a transaction, that is rolled back first. */
+sqlite::Connection openForReading(const std::filesystem::path& path);
+
+std::filesystem::path journalOf(const std::filesystem::path& path);
+/** \brief A journal that outlives its database would be rolled back into the next one of that name. */
+void removeWithJournal(const std::filesystem::path& path);
+
+}  // namespace map_connection
 
 /** \brief "model 3 ('name')" */
 std::string nameOf(int model, const std::string& name);

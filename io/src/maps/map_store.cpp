@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "maps/map_connection.h"
 #include "maps/map_reader.h"
 #include "maps/map_rows.h"
 #include "maps/map_schema.h"

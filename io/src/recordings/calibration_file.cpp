@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/calibration_file.h"
-
 #include "base/text.h"
 #include "bytes/yaml_entries.h"
+#include "recordings/recording_layout.h"
 
 #include <facetloc/io/error.h>
 

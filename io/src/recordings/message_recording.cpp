@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
-#include "recordings/calibration_file.h"
 #include "recordings/depth_messages.h"
 #include "recordings/image_container.h"
 #include "recordings/image_list.h"

@@ -2,7 +2,6 @@
 #include "base/text.h"
 #include "bytes/files.h"
 #include "images/depth_file.h"
-#include "recordings/calibration_file.h"
 #include "recordings/recording_layout.h"
 
 #include <facetloc/features/camera_presets.h>

@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "recordings/name_numbers.h"
-#include "recordings/scanner_json.h"
 
 #include <facetloc/io/error.h>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recordings/scanner_json.h"
-
 #include "base/pose_axes.h"
 #include "base/text.h"
 #include "bytes/files.h"
+#include "recordings/image_list.h"
 #include "recordings/name_numbers.h"
 #include "recordings/pose_table.h"
 
