@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "random.h"
+#include "scene_builder.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/simulation/simulated_place.h>
@@ -39,13 +39,6 @@ constexpr double kShareOfCupboards = 0.35;
 constexpr double kShareOfTurnedBoxes = 0.5;
 constexpr double kShrink = 0.95;  // factor on a box that found no place, before the next try
 
-Eigen::Isometry3d boxPose(double x, double y, double z, double yaw) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T.translation() << x, y, z;
-  return T;
-}
-
 /** A box on the floor, anywhere but in the free middle. */
 void addFloorBox(SimulatedWorld& world, const Eigen::Vector3d& room, Random& random, std::uint16_t& next_id) {
   const double yaw = random.uniform() < kShareOfTurnedBoxes ? random.uniform(0, EIGEN_PI / 2) : 0.0;
@@ -56,7 +49,7 @@ void addFloorBox(SimulatedWorld& world, const Eigen::Vector3d& room, Random& ran
     const double room_x = room.x() / 2 - (c * a + s * b), room_y = room.y() / 2 - (s * a + c * b);
     const double x = random.uniform(-room_x, room_x), y = random.uniform(-room_y, room_y);
     if (std::hypot(x, y) - std::hypot(a, b) < kFreeRadius) continue;
-    return addBox(world, boxPose(x, y, half_height, yaw), {a, b, half_height}, next_id);
+    return addBox(world, Spot{{x, y}, yaw, half_height}.pose(), {a, b, half_height}, next_id);
   }
 }
 
@@ -74,7 +67,8 @@ void addCupboard(SimulatedWorld& world, const Eigen::Vector3d& room, Random& ran
   const double z = random.uniform(half_height, room.z() - half_height);
   const Eigen::Vector3d half_size = on_x ? Eigen::Vector3d(half_depth, half_width, half_height)
                                          : Eigen::Vector3d(half_width, half_depth, half_height);
-  addBox(world, on_x ? boxPose(to_wall, along, z, 0) : boxPose(along, to_wall, z, 0), half_size, next_id);
+  const Eigen::Vector2d place = on_x ? Eigen::Vector2d(to_wall, along) : Eigen::Vector2d(along, to_wall);
+  addBox(world, Spot{place, 0, z}.pose(), half_size, next_id);
 }
 
 }  // namespace
@@ -87,7 +81,7 @@ SimulatedWorld randomRoom(std::uint64_t seed, int boxes) {
   room.z() = random.uniform(kMinCeiling, kMaxCeiling);
   SimulatedWorld world;
   std::uint16_t next_id = 1;
-  addBox(world, boxPose(0, 0, room.z() / 2, 0), room / 2, next_id);  // walls, floor and ceiling
+  addBox(world, Spot{{0, 0}, 0, room.z() / 2}.pose(), room / 2, next_id);  // walls, floor and ceiling
   for (int i = 0; i < boxes; ++i) {
     const bool on_wall = random.uniform() < kShareOfCupboards;
     (on_wall ? addCupboard : addFloorBox)(world, room, random, next_id);
