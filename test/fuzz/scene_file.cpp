@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes as a .scene file. A place that is quickly made is also made, and one image of it.
-#include "scene_file.h"
-
 #include "frame_source.h"
 #include "fuzz_file.h"
 
