@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Things of all rooms: desks, tables and chairs, cupboards and bookcases, what stands or hangs about, people,
-// and what is built in.
+// Things of all rooms: desks, tables and chairs, cupboards and bookcases, small things, people, and fittings.
 #include "furniture_parts.h"
 
 #include <facetloc/features/pose.h>
