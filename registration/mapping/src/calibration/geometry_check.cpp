@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <string>
 
 namespace facetloc {
 
@@ -17,8 +18,7 @@ constexpr double kCertain = 5;           // standard deviations
 constexpr double kLeastExponent = 0.35;  // least exponent of rays; real cameras and clutter stay below 0.13
 constexpr double kFlatter = 1.3;         // surfaces that are larger by as much tell one reading from another
 constexpr double kHardlyFlat = 0.03;     // share of the image
-constexpr double kLeastDisplacement = 0.015,
-                 kLeastGain = 1.08;  // smallest effects of a lens that are reported, in the corner
+constexpr double kLeastDisplacement = 0.015, kLeastGain = 1.08;  // least effects of a lens, in the corner
 
 bool isCertain(double value, double std) { return std::abs(value) > kCertain * std; }
 
@@ -44,40 +44,33 @@ FlatSurfaces checkRays(const std::vector<DepthImage>& images, const Camera& came
   const bool are_distances = bend.ray_exponent > 0;
   FlatSurfaces otherwise = flatSurfaces(images, camera, are_distances ? DepthIs::distance : DepthIs::product);
   if (!(otherwise.flat_share > kFlatter * as_read.flat_share)) return as_read;
-  check.findings.push_back(
-      {"geometry.rays",
-       Severity::refusal,
-       fmt::format(
-           "{} (so read, flat surfaces are {:.1f} times as large)",
-           are_distances
-               ? "flat surfaces are bent like bowls: depths are distances along the rays, not z; "
-                 "depth_is = distance in camera.ini reads them"
-               : "flat surfaces bulge, as if z were read as distances along the rays: depth_is = z in "
-                 "camera.ini reads them",
-           otherwise.flat_share / as_read.flat_share),
-       "",
-       {{"ray_exponent", bend.ray_exponent, bend.ray_exponent_std}}});
+  const char* const reading =
+      are_distances ? "flat surfaces are bent like bowls: depths are distances along the rays, not z; "
+                      "depth_is = distance in camera.ini reads them"
+                    : "flat surfaces bulge, as if z were read as distances along the rays: depth_is = z in "
+                      "camera.ini reads them";
+  const std::string words = fmt::format("{} (so read, flat surfaces are {:.1f} times as large)", reading,
+                                        otherwise.flat_share / as_read.flat_share);
+  const Evidence exponent{"ray_exponent", bend.ray_exponent, bend.ray_exponent_std};
+  check.findings.push_back({"geometry.rays", Severity::refusal, words, "", {exponent}});
   return otherwise;
 }
 
 /** Images of disparities, as stereo and learned depth have them. */
 bool checkInverse(const std::vector<DepthImage>& images, const Camera& camera, const FlatSurfaces& as_read,
                   GeometryCheck& check) {
-  constexpr double kMuchFlatter =
-      1.6;  // frontal surfaces are flat in both; 1.4 where a camera is much distorted
+  constexpr double kMuchFlatter = 1.6;  // frontal surfaces are flat in both; 1.4 of a much distorted camera
   const FlatSurfaces inverse = flatSurfaces(images, camera, DepthIs::inverse);
   if (inverse.surfaces.size() < kLeastSurfaces ||
       !(inverse.flat_share > kMuchFlatter * std::max(as_read.flat_share, kHardlyFlat)))
     return false;
-  check.findings.push_back(
-      {"geometry.inverse",
-       Severity::refusal,
-       fmt::format(
-           "flat surfaces are bent, and are {:.1f} times as large if the numbers are inverse depths: they "
-           "seem to be disparities, of which depths are to be made first",
-           inverse.flat_share / as_read.flat_share),
-       "",
-       {{"flat_share", as_read.flat_share}, {"flat_share_inverse", inverse.flat_share}}});
+  const std::string words = fmt::format(
+      "flat surfaces are bent, and are {:.1f} times as large if the numbers are inverse depths: they "
+      "seem to be disparities, of which depths are to be made first",
+      inverse.flat_share / as_read.flat_share);
+  const Evidence share{"flat_share", as_read.flat_share},
+      by_inverse{"flat_share_inverse", inverse.flat_share};
+  check.findings.push_back({"geometry.inverse", Severity::refusal, words, "", {share, by_inverse}});
   return true;
 }
 
@@ -87,15 +80,12 @@ void checkLens(const FlatSurfaces& flat, const Intrinsics& k, GeometryCheck& che
   if (flat.surfaces.size() < kLeastSurfaces || !isCertain(bend.lens, bend.lens_std) ||
       displacement < kLeastDisplacement || bend.residual_ratio < kLeastGain)
     return;
-  check.findings.push_back(
-      {"geometry.lens",
-       Severity::doubt,
-       fmt::format("flat surfaces are bent as behind a lens: in the corners of the image by {:.0f} % of the "
-                   "distance from the centre; the camera's calibration in camera.ini takes it out (k1 is "
-                   "about {:.2f})",
-                   100 * displacement, bend.lens),
-       "",
-       {{"k1", bend.lens, bend.lens_std}}});
+  const std::string words =
+      fmt::format("flat surfaces are bent as behind a lens: in the corners of the image by {:.0f} % of the "
+                  "distance from the centre; the camera's calibration in camera.ini takes it out (k1 is "
+                  "about {:.2f})",
+                  100 * displacement, bend.lens);
+  check.findings.push_back({"geometry.lens", Severity::doubt, words, "", {{"k1", bend.lens, bend.lens_std}}});
 }
 
 /** "fx=525 fy=525 cx=319.5 cy=239.5", or factors where the images say their intrinsics. */
@@ -112,33 +102,27 @@ void checkAngles(const FlatSurfaces& flat, const Intrinsics& worked_on, const Ca
   check.angles = surfaceAngles(flat, worked_on);
   if (!check.angles || !check.angles->contradicts()) return;
   const SurfaceAngles& a = *check.angles;
+  const std::string words = fmt::format(
+      "the angles between the same surfaces differ from image to image: the {} pairs in {} images "
+      "agree better with {}",
+      a.pairs, a.images, linesFor(a, worked_on, camera.intrinsics));
+  const std::vector<Evidence> evidence = {{"gain_nats", a.gain, a.gain_std},
+                                          {"images", static_cast<double>(a.images)},
+                                          {"fx_factor", a.fx},
+                                          {"fy_factor", a.fy}};
   check.findings.push_back(
-      {"geometry.angles",
-       Severity::doubt,
-       fmt::format(
-           "the angles between the same surfaces differ from image to image: the {} pairs in {} images "
-           "agree better with {}",
-           a.pairs, a.images, linesFor(a, worked_on, camera.intrinsics)),
-       "look at fx, fy, cx and cy of camera.ini",
-       {{"gain_nats", a.gain, a.gain_std},
-        {"images", static_cast<double>(a.images)},
-        {"fx_factor", a.fx},
-        {"fy_factor", a.fy}}});
+      {"geometry.angles", Severity::doubt, words, "look at fx, fy, cx and cy of camera.ini", evidence});
 }
 
 void checkPixels(const Intrinsics& k, GeometryCheck& check) {
-  constexpr double kMostOblong =
-      1.08;  // depth cameras have square pixels; calibrations err by a few per cent
-  if (std::max(k.fx / k.fy, k.fy / k.fx) < kMostOblong) return;
-  check.findings.push_back(
-      {"geometry.pixels",
-       Severity::doubt,
-       fmt::format(
-           "fx and fy differ by a factor of {:.2f}, though the pixels of depth cameras are square: look at "
-           "fx and fy of camera.ini",
-           std::max(k.fx / k.fy, k.fy / k.fx)),
-       "",
-       {{"fx_by_fy", k.fx / k.fy}}});
+  constexpr double kMostOblong = 1.08;  // pixels are square; calibrations err by a few per cent
+  const double oblong = std::max(k.fx / k.fy, k.fy / k.fx);
+  if (oblong < kMostOblong) return;
+  const std::string words = fmt::format(
+      "fx and fy differ by a factor of {:.2f}, though the pixels of depth cameras are square: look at "
+      "fx and fy of camera.ini",
+      oblong);
+  check.findings.push_back({"geometry.pixels", Severity::doubt, words, "", {{"fx_by_fy", k.fx / k.fy}}});
 }
 
 }  // namespace
