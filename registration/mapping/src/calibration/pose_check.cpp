@@ -74,16 +74,13 @@ Error errorOf(const Pair& pair) {
   return {rotationAngle(d.linear()) / kDegree, d.translation().norm()};
 }
 
-std::vector<Error> errorsOf(const std::vector<Pair>& pairs) {
-  std::vector<Error> errors;
-  for (const Pair& pair : pairs) errors.push_back(errorOf(pair));
-  return errors;
-}
-
 PoseDisagreement disagreementOf(const std::vector<Pair>& pairs) {
   if (pairs.empty()) return {};
   std::vector<double> degrees, metres;
-  for (const Error& e : errorsOf(pairs)) degrees.push_back(e.degrees), metres.push_back(e.metres);
+  for (const Pair& pair : pairs) {
+    const Error e = errorOf(pair);
+    degrees.push_back(e.degrees), metres.push_back(e.metres);
+  }
   return {median(std::move(degrees)), median(std::move(metres)), pairs.size()};
 }
 
@@ -97,7 +94,7 @@ public:
     const std::vector<Pair> found = pairs(reading);
     if (found.size() < std::max(kEnough, motions_.size() / 2)) return std::numeric_limits<double>::infinity();
     std::vector<double> costs;
-    for (const Error& error : errorsOf(found)) costs.push_back(error.cost());
+    for (const Pair& pair : found) costs.push_back(errorOf(pair).cost());
     std::sort(costs.begin(), costs.end());
     costs.resize(costs.size() - costs.size() / 4);  // motions that were not seen right
     return std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(costs.size());
@@ -198,8 +195,7 @@ std::string conventionOf(const Reading& r) {
   return fmt::format("{}", fmt::join(words, ","));
 }
 
-constexpr double kWorthAWord =
-    0.07;  // deviation of ratios that is reported: systematic depth errors shorten motions
+constexpr double kWorthAWord = 0.07;  // reported deviation of ratios: systematic depth errors shorten motions
 constexpr double kSenselessRatio = 0.1;
 constexpr double kOtherAxisDeg = 1.5;
 
@@ -296,14 +292,14 @@ Finding outliersOf(const PoseCheck& check) {
     named.push_back(fmt::format("between {:.3f} and {:.3f} s by {:.2f} m and {:.1f} deg", sorted[i].stamp_a,
                                 sorted[i].stamp_b, sorted[i].translation, sorted[i].rotation_deg));
   if (sorted.size() > kMostNamed) named.push_back(fmt::format("and at {} more", sorted.size() - kMostNamed));
-  return {
-      "poses.outliers",
-      check.hasTail() ? Severity::doubt : Severity::note,
+  const std::string words =
       fmt::format("single poses, or the motions that their images show, are beyond {:.0f} times the usual "
                   "disagreement: {}",
-                  kOutlying, fmt::join(named, "; ")),
-      check.hasTail() ? "look at the poses at these times" : "",
-      {{"outliers", static_cast<double>(sorted.size())}, {"share", check.tail}}};
+                  kOutlying, fmt::join(named, "; "));
+  const std::vector<Evidence> evidence{{"outliers", static_cast<double>(sorted.size())},
+                                       {"share", check.tail}};
+  if (!check.hasTail()) return {"poses.outliers", Severity::note, words, "", evidence};
+  return {"poses.outliers", Severity::doubt, words, "look at the poses at these times", evidence};
 }
 
 }  // namespace
@@ -391,8 +387,7 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
   if (fine || motions.size() < kEnough) return check;
   const Reading best = trial.withBestDelay(trial.withBestScale(trial.bestConvention()));
   const PoseDisagreement mended = disagreementOf(trial.pairs(best));
-  const bool explained =
-      !isSenseless(mended);  // some interpretation always fits best, even for poses of other images
+  const bool explained = !isSenseless(mended);  // some reading always fits best, even poses of other images
   if (explained) {
     check.cause = toString(best);
     check.convention = conventionOf(best);
@@ -403,8 +398,7 @@ PoseCheck internal::checkPoses(const std::vector<SeenMotion>& motions, const Pos
   if (check.cause.empty() && of_lengths.empty() && check.as_given.motions >= kEnoughToRefuse &&
       (check.as_given.rotation_deg > kFarDegrees || check.as_given.translation > kFarMetres))
     check.cause = "no scale and no convention explains it: look at fx, fy, cx and cy of camera.ini, and at "
-                  "how accurate the "
-                  "poses are";
+                  "how accurate the poses are";
   if (check.cause.empty()) {
     check.cause = of_lengths;
     check.wrong_convention =

@@ -109,12 +109,10 @@ void judge(const CameraTrajectory& trajectory, Findings& all) {
                                 "with more in common between images";
   const OverlapVerdicts& overlaps = trajectory.overlaps;
   if (overlaps.judged() >= kLeastJudged && overlaps.contradictedShare() > kContradicted)
-    all.push_back({"trajectory.contradicted",
-                   Severity::refusal,
-                   "the trajectory found from the images is wrong: " + overlaps.toString(),
-                   kCure,
-                   {{"contradicted_share", overlaps.contradictedShare()},
-                    {"overlaps", static_cast<double>(overlaps.judged())}}});
+    all.push_back({"trajectory.contradicted", Severity::refusal,
+                   "the trajectory found from the images is wrong: " + overlaps.toString(), kCure,
+                   std::vector<Evidence>{{"contradicted_share", overlaps.contradictedShare()},
+                                         {"overlaps", static_cast<double>(overlaps.judged())}}});
   if (trajectory.cut_bonds > 0)
     all.push_back({"trajectory.cut", Severity::note,
                    fmt::format("{} {} between pieces of the trajectory taken out, which overlapping images "
@@ -139,26 +137,22 @@ void judge(const DistortionEstimate& found, bool own_trajectory, Findings& all) 
   constexpr double kSenselessDegrees = 20;
   if (found.reliable()) return;
   const double degrees = found.poses.rotation_std / kDegree, mm = 1e3 * found.poses.translation_std;
-  if (own_trajectory && degrees > kSenselessDegrees)
-    all.push_back(
-        {"trajectory.uncertain",
-         Severity::refusal,
-         fmt::format("the trajectory found from the images is accurate to {:.0f} deg, {:.0f} mm only",
-                     degrees, mm),
-         "give poses (--poses) or an odometry (--odometry)",
-         {{"rotation_deg", degrees}, {"translation_mm", mm}}});
-  else
-    all.push_back({"camera.distortion",
-                   Severity::note,
-                   own_trajectory
-                       ? fmt::format("the distortion of the camera is not estimated: the trajectory is "
-                                     "accurate to {:.2f} deg, {:.0f} mm only",
-                                     degrees, mm)
-                       : fmt::format("the distortion of the camera is not removed: the poses disagree too "
-                                     "much with the images ({:.2f} deg, {:.0f} mm) to find it",
-                                     degrees, mm),
-                   "",
-                   {{"rotation_deg", degrees}, {"translation_mm", mm}}});
+  const std::vector<Evidence> evidence{{"rotation_deg", degrees}, {"translation_mm", mm}};
+  if (own_trajectory && degrees > kSenselessDegrees) {
+    const std::string words = fmt::format(
+        "the trajectory found from the images is accurate to {:.0f} deg, {:.0f} mm only", degrees, mm);
+    all.push_back({"trajectory.uncertain", Severity::refusal, words,
+                   "give poses (--poses) or an odometry (--odometry)", evidence});
+    return;
+  }
+  const std::string words =
+      own_trajectory ? fmt::format("the distortion of the camera is not estimated: the trajectory is "
+                                   "accurate to {:.2f} deg, {:.0f} mm only",
+                                   degrees, mm)
+                     : fmt::format("the distortion of the camera is not removed: the poses disagree too "
+                                   "much with the images ({:.2f} deg, {:.0f} mm) to find it",
+                                   degrees, mm);
+  all.push_back({"camera.distortion", Severity::note, words, "", evidence});
 }
 
 /** Compares the focal lengths that the angles between surfaces ask for with the turns of the poses, which
