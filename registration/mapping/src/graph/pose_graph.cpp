@@ -21,9 +21,10 @@ void check(const PoseGraph& graph) {
           fmt::format("pose graph: an edge joins {} and {} of {} nodes", e.from, e.to, n));
 }
 
+bool isOpen(const PoseEdge& edge) { return !edge.others.empty(); }
+
 /** Poses between all alternatives, from where the likeliest in view of all edges is near. */
 std::vector<Eigen::Isometry3d> startOf(const PoseGraph& graph, const std::vector<int>& part) {
-  const auto isOpen = [](const PoseEdge& e) { return !e.others.empty(); };
   if (std::none_of(graph.edges.begin(), graph.edges.end(), isOpen)) return graph.T_w_n;
   PoseGraph all = graph;
   for (PoseEdge& e : all.edges) e = spanned(e, e.T_from_to.T, oddsOf(e));
@@ -36,8 +37,6 @@ std::vector<Eigen::Isometry3d> startOf(const PoseGraph& graph, const std::vector
 // Information of fixed nodes, and the least of all others, which keeps the normal matrix regular [1 / rad^2,
 // 1 / m^2].
 constexpr double kHeld = 1e12, kLeast = 1e-8;
-
-bool isOpen(const PoseEdge& edge) { return !edge.others.empty(); }
 
 /** An edge of the mode that fits the poses best. */
 PoseEdge chosen(const PoseEdge& edge, const Eigen::Isometry3d& T_from_to) {

@@ -5,7 +5,6 @@
 
 #include <facetloc/features/map_metadata.h>
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <set>
 #include <stdexcept>
