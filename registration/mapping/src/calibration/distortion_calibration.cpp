@@ -22,24 +22,19 @@ using NodeVector = Eigen::Matrix<double, kNodes, 1>;
 using NodeMatrix = Eigen::Matrix<double, kNodes, kNodes>;
 using NodesByMotion = Eigen::Matrix<double, 6, kNodes>;
 
-constexpr double kCorrelationLength =
-    0.4;  // correlation length of the field [normalised ray]: a third of a Kinect's image
-constexpr double kLeastShare =
-    0.01;  // least standard deviation of the field at any node, as a share of the noise
-constexpr double kRoughness = 1e-4;  // uncorrelated share of its variance: keeps the prior regular
+constexpr double kCorrelationLength = 0.4;  // [normalised ray]: a third of a Kinect's image
+constexpr double kLeastShare = 0.01;        // least standard deviation of the field at any node, by the noise
+constexpr double kRoughness = 1e-4;         // uncorrelated share of its variance: keeps the prior regular
 constexpr ViewReach kReach{2.5, 60 * kDegree};
 constexpr std::size_t kPairsPerPicture = 8;
-constexpr int kFewestPixels = 40;  // common pixels of two pictures on a coarse grid
-constexpr double kPixelError =
-    1.5;  // error of a difference of two inverse depths [noise std]: sqrt 2 and a bit
-constexpr double kCorrelatedPixels =
-    8;  // number of pixels with the information of one: errors of neighbours are correlated
+constexpr int kFewestPixels = 40;        // common pixels of two pictures on a coarse grid
+constexpr double kPixelError = 1.5;      // difference of two inverse depths [noise std]: sqrt 2 and a bit
+constexpr double kCorrelatedPixels = 8;  // as good as one: errors of neighbours are correlated
 constexpr double kGate = 3;      // differences beyond this number of standard deviations have no weight
 constexpr int kIterations = 10;  // at most, of which all but the last ones see a share of the pairs
 constexpr int kLastIterations = 3;
 constexpr std::size_t kFirstPairs = 500;  // that first iterations see, about
-constexpr std::size_t kPairsAtOnce =
-    16;  // equations that are added up together, however many threads there are
+constexpr std::size_t kPairsAtOnce = 16;  // whose equations are added up, however many threads there are
 constexpr PoseAccuracy kExact{0.01 * kDegree, 0.0003};  // no poses are known better
 constexpr PoseAccuracy kGoodEnough{0.3 * kDegree, 0.015};
 constexpr double kConverged = 0.01;  // change of the field [its prior's standard deviation]

@@ -13,8 +13,7 @@
 namespace facetloc {
 namespace {
 
-constexpr double kSameAngle = 4 * kDegree,
-                 kSameHeight = 0.05;           // deviations of one uneven floor between two images [m]
+constexpr double kSameAngle = 4 * kDegree, kSameHeight = 0.05;  // one uneven floor in two images [m]
 constexpr double kWide = 3;                    // times that: where a camera in the hand has its floor, too
 constexpr double kMostHeightStd = 0.01;        // over the floor, of a camera on wheels [m]
 constexpr double kSteepest = 60 * kDegree;     // largest tilt of the camera below or above the horizon

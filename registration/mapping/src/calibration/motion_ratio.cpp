@@ -30,9 +30,8 @@ namespace internal {
 namespace {
 
 constexpr std::size_t kEnough = 5;
-constexpr double kOutlier = 3;  // times the median residual
-constexpr double kLeastCorrelation =
-    0.7;  // correlation of both sources of motion: otherwise they measure different motions
+constexpr double kOutlier = 3;             // times the median residual
+constexpr double kLeastCorrelation = 0.7;  // both sources of motion: else they measure different motions
 
 struct Products {
   double images = 0, poses = 0, both = 0;

@@ -24,9 +24,8 @@ Agreement compare(const PoseEdge& a, const PoseEdge& b, const RelativePoses& fro
   return off < kEllipsoid ? Agreement::agree : Agreement::contradict;
 }
 
-constexpr double kSigmas = 3;  // tolerated errors of the session, in standard deviations
-constexpr double kTellingStd =
-    2;  // largest standard deviation of the session between two keyframes that is informative [m]
+constexpr double kSigmas = 3;      // tolerated errors of the session, in standard deviations
+constexpr double kTellingStd = 2;  // largest standard deviation in the session that tells something [m]
 constexpr double kTellingRotation = 20 * kDegree;
 
 Agreement compare(const FoundKeyframe& a, const FoundKeyframe& b, const RelativePose& relative,

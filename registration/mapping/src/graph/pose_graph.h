@@ -28,9 +28,8 @@ struct PoseEdge {
 
 /** \brief A level floor, z = 0, that robots with cameras stand on. */
 struct LevelFloor {
-  Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();  ///< pose of the camera on its robot
-  Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Identity();  ///< covariance of (roll, pitch, height) of a robot
+  Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();   ///< pose of the camera on its robot
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< (roll, pitch, height) of a robot
 };
 
 /** \brief Poses of cameras, and the measurements between them. */

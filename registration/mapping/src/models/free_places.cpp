@@ -18,17 +18,16 @@ namespace facetloc::internal {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
-constexpr double kFlat = 0.15;         // unevenness of a floor [m]
-constexpr double kStorey = 1.8;        // least distance between two floors [m]
-constexpr double kLevelShare = 0.25;   // least share of a floor in the columns of the commonest level
-constexpr double kLeastArea = 2;       // least area of connected places [m^2]
-constexpr double kStep = 0.1;          // that can be taken from one place to the next [m]
-constexpr double kBeside = 1;          // distance between an area and a place beside it [m]
-constexpr double kStandingRoom = 1.5;  // above a floor, somewhere [m]
-constexpr double kWalled = 0.5;        // share of the horizon that is known, indoors
-constexpr double kGrounded = 0.25;     // known share of the surroundings below
-constexpr std::size_t kWithOutdoors =
-    5;  // positions to each one that may be left once those outdoors are gone
+constexpr double kFlat = 0.15;            // unevenness of a floor [m]
+constexpr double kStorey = 1.8;           // least distance between two floors [m]
+constexpr double kLevelShare = 0.25;      // least share of a floor in the columns of the commonest level
+constexpr double kLeastArea = 2;          // least area of connected places [m^2]
+constexpr double kStep = 0.1;             // that can be taken from one place to the next [m]
+constexpr double kBeside = 1;             // distance between an area and a place beside it [m]
+constexpr double kStandingRoom = 1.5;     // above a floor, somewhere [m]
+constexpr double kWalled = 0.5;           // share of the horizon that is known, indoors
+constexpr double kGrounded = 0.25;        // known share of the surroundings below
+constexpr std::size_t kWithOutdoors = 5;  // positions to each one that those outdoors may leave
 
 /** Statistics of the rays around a place. */
 class Surroundings {

@@ -53,8 +53,7 @@ struct PlaceRules {
 struct FreePlaces {
   std::vector<Eigen::Vector3d> positions;
   std::size_t outdoors = 0;  ///< positions of areas around all others
-  std::size_t too_many =
-      0;  ///< number of positions, estimated, if it is too large: there are no positions then
+  std::size_t too_many = 0;  ///< estimated number of positions, if it is too large: there are none then
 };
 
 /** \brief Calls a function with 0 ... n - 1. */

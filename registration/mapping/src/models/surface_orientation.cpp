@@ -153,13 +153,12 @@ constexpr double kSameAxis = 15 * kDegree;  // largest angle between an axis and
 constexpr double kInclined = 2 * kDegree;   // largest inclination of a floor
 constexpr double kLeastShare = 0.03;        // least share of the visible surface for an axis
 constexpr std::size_t kMostAxes = 6;
-constexpr std::size_t kSeeds = 256;    // normals that axes are looked for at
-constexpr std::size_t kVotes = 20000;  // normals that vote for them
-constexpr double kLevel = 0.05;        // thickness of a level, of the usual distance
-constexpr double kLevelShare =
-    0.25;                           // least size of further floors or ceilings, relative to the largest level
-constexpr double kCeilingless = 2;  // times as much floor as ceiling
-constexpr double kFurnished = 2.5;  // times as much on floors as under ceilings
+constexpr std::size_t kSeeds = 256;        // normals that axes are looked for at
+constexpr std::size_t kVotes = 20000;      // normals that vote for them
+constexpr double kLevel = 0.05;            // thickness of a level, of the usual distance
+constexpr double kLevelShare = 0.25;       // least size of further floors or ceilings, by the largest level
+constexpr double kCeilingless = 2;         // times as much floor as ceiling
+constexpr double kFurnished = 2.5;         // times as much on floors as under ceilings
 constexpr double kLeastFurniture = 0.006;  // least share of the visible surface for a sign
 constexpr double kOff = 1e-3;              // distance from a surface that is looked from, of a room's height
 // Evidence for an axis [nats].

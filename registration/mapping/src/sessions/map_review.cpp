@@ -19,8 +19,7 @@ namespace {
 constexpr int kLooks = 2;               // places that must look through a surface before it counts as gone
 constexpr std::size_t kMostLooks = 16;  // nearest images that one local model is judged by
 constexpr double kLoose = 0.1, kLooseRotation = 2 * kDegree;  // errors of an image's place in the map [m]
-constexpr double kTrustedAgreement =
-    0.6;  // agreement of an image with the map around it, below which it is misplaced
+constexpr double kTrustedAgreement = 0.6;  // agreement with the map around, below which an image is misplaced
 constexpr double kConvincingAgreement = 0.92;   // agreement of an image whose place nothing else confirms
 constexpr int kFewestPixels = 60;               // that two views must have in common
 constexpr double kOneSurface = 0.1;             // largest distance between two views' planes of a surface [m]

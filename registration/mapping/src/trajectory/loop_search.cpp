@@ -22,8 +22,7 @@ constexpr double kReachAngle = 45 * kDegree;  // between the viewing directions 
 // Standard deviations of a relative pose, beyond which a lone loop is not believed [m, rad].
 constexpr double kTrustedStd = 0.3, kTrustedRotation = 5 * kDegree;
 constexpr int kConsistentLoops = 3;  // that must agree before an uncertain one of them is believed
-constexpr double kUncertainStd = 1,
-                 kUncertainRotation = 10 * kDegree;  // beyond which several rooms may fit [m]
+constexpr double kUncertainStd = 1, kUncertainRotation = 10 * kDegree;  // beyond, several rooms may fit [m]
 constexpr int kMostUncertain = 15;           // earlier keyframes that one is compared with far from certainty
 constexpr int kLocal = 20;                   // keyframes in a row between which no loop is closed
 constexpr double kSearchStd = 0.1;           // beyond which other places within a prior are searched [m]
