@@ -109,7 +109,6 @@ Motion CameraMotion::next(const std::shared_ptr<const View>& view, double dt,
       out = std::move(found);
     } else if (dt > kLongStep) {
       out.modes.front().T_a_b = prior;
-      out.agreement = film.agreement;
       out.source = given || !before_ ? Motion::Source::guessed : Motion::Source::broken;
     }
   }

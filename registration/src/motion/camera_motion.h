@@ -30,9 +30,7 @@ struct Motion {
   double none = 0;       ///< probability that the camera did something else than any of the modes
 
   /** \brief One answer, whoever has given it. */
-  static Motion known(const PoseWithCovariance& T_a_b, double agreement = 0) {
-    return {{{T_a_b, 1}}, Source::seen, agreement};
-  }
+  static Motion known(const PoseWithCovariance& T_a_b) { return {{{T_a_b, 1}}, Source::seen}; }
   const PoseWithCovariance& likeliest() const { return modes.front().T_a_b; }
 };
 

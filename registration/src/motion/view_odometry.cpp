@@ -47,14 +47,14 @@ void ViewOdometry::reset() {
   side_slip_ = {};
 }
 
-ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<PoseWithCovariance>& given) {
+ViewMotion ViewOdometry::add(const View& view, double dt) {
   ViewMotion out;
   camera_motion_.reset();
   if (view.camera && view.camera->mounting) {
     camera_motion_ = cameraMotion(*view.camera->mounting);
     jolt_ = joltOf(*view.camera->mounting);
   }
-  const PoseWithCovariance predicted = given ? PoseWithCovariance(T_o_c_ * *given) : predict(dt);
+  const PoseWithCovariance predicted = predict(dt);
   PoseWithCovariance T_o_c = predicted;
   if (!keys_.empty()) {
     const LocalMap around_us = around(predicted.T);
@@ -71,7 +71,6 @@ ViewMotion ViewOdometry::add(const View& view, double dt, const std::optional<Po
     keys_.clear();
     velocity_.setZero();
     side_slip_ = {};
-    if (given) out.broken = false;
   }
   const bool moves = !out.broken && dt > 0 && dt < kLongStep;
   if (moves) learnVelocity(predicted, T_o_c, dt);

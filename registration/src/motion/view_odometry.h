@@ -39,10 +39,8 @@ public:
   /** \brief Forgets all views. */
   void reset();
   /** \brief Takes the next view, dt >= 0 [s] after the last one. The first view has not moved. A view that
-   * breaks the chain begins a new one.
-   * \param given motion T_a_b by another odometry, with its error: that is where views are looked for, and no
-   * view breaks the chain */
-  ViewMotion add(const View& view, double dt, const std::optional<PoseWithCovariance>& given = {});
+   * breaks the chain begins a new one. */
+  ViewMotion add(const View& view, double dt);
 
 private:
   struct SideSlip {  // side slip of a robot on wheels, to the left [m/s]
