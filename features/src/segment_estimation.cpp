@@ -280,25 +280,21 @@ struct SegmentEstimation::Buffers {
 
   bool makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
                    const SegmentEstimationParams& params, double min_support, Segment& s,
-                   const char*& why_not);
+                   const char*& why_not) {
+    why_not = "has too few measured pixels on its plane";
+    if (r.plane.n < min_support) return false;
+    const Eigen::Vector3d mean = r.points.p / r.points.n;
+    const PlaneRegion region{r.plane.n, r.plane.fit().plane.toSpace(camera),  // METHOD 5.1
+                             mean, r.points.pp / r.points.n - mean * mean.transpose(),
+                             rayMoments(r.plane, camera)};
+    if (!describe(region, camera, noise, params, s, why_not)) return false;
+    why_not = "has no outline";
+    pixelHull(r.row_extremes, camera.height, points, hull);
+    simplify(hull, ConvexHull::kMaxVertices);
+    s.hull = hullInPlane(hull, camera, s, 1 / region.m.norm());
+    return s.hull.size >= 3 && s.hull.area() > 0;
+  }
 };
-
-bool SegmentEstimation::Buffers::makeSegment(Region& r, const Intrinsics& camera, const SensorNoise& noise,
-                                             const SegmentEstimationParams& params, double min_support,
-                                             Segment& s, const char*& why_not) {
-  why_not = "has too few measured pixels on its plane";
-  if (r.plane.n < min_support) return false;
-  const Eigen::Vector3d mean = r.points.p / r.points.n;
-  const PlaneRegion region{r.plane.n, r.plane.fit().plane.toSpace(camera),  // METHOD 5.1
-                           mean, r.points.pp / r.points.n - mean * mean.transpose(),
-                           rayMoments(r.plane, camera)};
-  if (!describe(region, camera, noise, params, s, why_not)) return false;
-  why_not = "has no outline";
-  pixelHull(r.row_extremes, camera.height, points, hull);
-  simplify(hull, ConvexHull::kMaxVertices);
-  s.hull = hullInPlane(hull, camera, s, 1 / region.m.norm());
-  return s.hull.size >= 3 && s.hull.area() > 0;
-}
 
 SegmentEstimation::SegmentEstimation(const SegmentEstimationParams& params)
     : params_(params), buffers_(std::make_unique<Buffers>()) {}

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/inverse_depth.h"
+
 #include <facetloc/features/depth_image.h>
 
 #include <vector>
@@ -24,6 +26,11 @@ struct DisparityImage {
 constexpr double kMinFill = 0.5;
 
 /** \brief Depth to disparity in units of the given inverse-depth noise [1/m]. */
-void toDisparity(const DepthImage& image, double unit, DisparityImage& out);
+inline void toDisparity(const DepthImage& image, double unit, DisparityImage& out) {
+  out.camera = image.camera;
+  out.unit = unit;
+  out.d.resize(image.depth.size());
+  invertDepth(image.depth.data(), image.depth.size(), static_cast<float>(1.0 / unit), out.d.data());
+}
 
 }  // namespace facetloc::internal

@@ -124,7 +124,6 @@ struct PlaneSegmenter::Impl {
   struct Pixel {
     std::int32_t u, v;
   };
-  void estimateNoise(const DepthImage& image, LabelledPlanes& out);
   void splitAndMerge();
   void labelRegions(LabelImage& labels);
   std::uint16_t labelOfLeaf(int leaf) const;
@@ -170,7 +169,7 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
   out.correlation_px = noise_.correlation_px;
   out.noise = std::max(SensorNoise::kLeastInverseDepthStd, noise_.ofInverseDepth(usualDepth(image)));
   if (!image.valid()) return;
-  if (params_.labels.estimate_noise) estimateNoise(image, out);
+  if (params_.labels.estimate_noise) measureNoise(image, out.noise, out.correlation_px, scratch_);
 
   // Smooth noise has fewer independent errors, and the largest of fewer is smaller (METHOD 2.3).
   constexpr double kOfSmooth = 0.7;
@@ -181,10 +180,6 @@ void PlaneSegmenter::Impl::segment(const DepthImage& image, LabelledPlanes& out)
   reassignBoundaries(out.labels);
   keepLargeRegions(out, std::max(3.0, scaledPixels(params_.labels.min_support, image.camera)));
   for (PixelPlane& p : out.planes) p = {p.a * unit, p.b * unit, p.c * unit};
-}
-
-void PlaneSegmenter::Impl::estimateNoise(const DepthImage& image, LabelledPlanes& out) {
-  measureNoise(image, out.noise, out.correlation_px, scratch_);
 }
 
 void PlaneSegmenter::Impl::splitAndMerge() {
