@@ -33,6 +33,40 @@ constexpr double kSmooth =
     3;                       // times the noise of neighbours; a Kinect has 1.5 to 2.9, a stereo camera 3 to 7
 constexpr double kTrim = 3;  // larger differences are edges [noise of pixels farther apart]
 
+/** Absolute second differences of inverse depth, in memory of their caller [1/m]. */
+struct Differences {
+  float *begin, *end;
+  std::size_t size() const { return static_cast<std::size_t>(end - begin); }
+};
+
+/** |x(u - apart) - 2 x(u) + x(u + apart)| wherever all three are measured, in about the given number of rows.
+ */
+Differences secondDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
+  const int w = image.camera.width, step = std::max(1, image.camera.height / rows);
+  scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / step + 1));
+  float* const row = scratch.data();  // first the inverse depths, then the differences
+  float* const differences = row + w;
+  float* next = differences;
+  for (int v = step / 2; v < image.camera.height; v += step) {
+    invertDepth(image.depth.data() + static_cast<std::size_t>(v) * w, w, 1.f, row);
+    for (int u = apart; u + apart < w; ++u) {
+      *next = std::abs(row[u - apart] - 2 * row[u] + row[u + apart]);
+      next += row[u - apart] > 0 && row[u] > 0 && row[u + apart] > 0;
+    }
+  }
+  return {differences, next};
+}
+
+/** Noise of inverse depth by the median of such differences, as if it was white [1/m]; 0 if they are few. */
+double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
+  constexpr double kMadToStd = 1.4826;
+  const double scale =
+      kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
+  const Differences found = secondDifferences(image, apart, rows, scratch);
+  constexpr std::size_t kFew = 100;
+  return found.size() < kFew ? 0 : scale * median(found.begin, found.size());
+}
+
 /** Noise of neighbours, as if it was white. Depths that come in steps have many differences of zero and some
  * of a step: their median says nothing, their mean square does. */
 double noiseOfNeighbours(const DepthImage& image, double limit, std::vector<float>& scratch) {
@@ -66,30 +100,6 @@ double correlationLength(double share, double apart) {
 }
 
 }  // namespace
-
-Differences secondDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
-  const int w = image.camera.width, step = std::max(1, image.camera.height / rows);
-  scratch.resize(w + static_cast<std::size_t>(w) * (image.camera.height / step + 1));
-  float* const row = scratch.data();  // first the inverse depths, then the differences
-  float* const differences = row + w;
-  float* next = differences;
-  for (int v = step / 2; v < image.camera.height; v += step) {
-    invertDepth(image.depth.data() + static_cast<std::size_t>(v) * w, w, 1.f, row);
-    for (int u = apart; u + apart < w; ++u) {
-      *next = std::abs(row[u - apart] - 2 * row[u] + row[u + apart]);
-      next += row[u - apart] > 0 && row[u] > 0 && row[u + apart] > 0;
-    }
-  }
-  return {differences, next};
-}
-
-double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch) {
-  constexpr double kMadToStd = 1.4826;
-  const double scale =
-      kMadToStd / std::sqrt(6.0);  // the variance of d0 - 2 d1 + d2 is 6 for unit white noise
-  const Differences found = secondDifferences(image, apart, rows, scratch);
-  return found.few() ? 0 : scale * median(found.begin, found.size());
-}
 
 double estimateNoise(const DepthImage& image, double least) {
   std::vector<float> scratch;

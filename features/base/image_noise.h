@@ -8,21 +8,6 @@
 
 namespace facetloc::internal {
 
-/** \brief Absolute second differences of inverse depth, in memory of their caller [1/m]. */
-struct Differences {
-  float *begin, *end;
-  std::size_t size() const { return static_cast<std::size_t>(end - begin); }
-  bool few() const { return size() < 100; }
-};
-
-/** \brief |x(u - apart) - 2 x(u) + x(u + apart)| wherever all three are measured, in about the given number
- * of rows. */
-Differences secondDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch);
-
-/** \brief Noise of inverse depth by the median of such differences, as if it was white [1/m]; 0 if they are
- * few. */
-double noiseByDifferences(const DepthImage& image, int apart, int rows, std::vector<float>& scratch);
-
 /** \brief Noise of inverse depth, estimated from the image itself [1/m] (segmentation/METHOD 2.2): the median
  * absolute second difference along rows over triples of valid pixels in 60 to 119 rows from all over the
  * image (in all of a lower one), scaled for white noise. Smooth noise, as a stereo camera has it, hardly
