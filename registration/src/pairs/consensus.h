@@ -34,18 +34,6 @@ std::vector<Eigen::Vector3d> samplePoints(const Segment& segment);
 double logLikelihoodRatio(const Query& query, const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ScoreCalibration& params);
 
-/** \brief Evidence of contradicting pixels against a pose: -w ln(1 + c / c_0) [nats], where c
- * is their share among those compared.
- *
- * The term is not linear in c, since pixels do not contradict one by one:
- * a moved object covers a whole region. The share of changed pixels in a true view is mostly tiny and
- * now and then large, with a tail like a power of c; so is the evidence against the pose. */
-double freeSpaceTerm(const DepthAgreement& compared, const ScoreCalibration& params);
-
-/** \brief Segment-overlap score (METHOD 10.5), the paper's consensus measure as far as is known. */
-double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
-                            const PoseWithCovariance& T_m_c, const MatchingParams& matching);
-
 /** \brief How a hypothesis is scored by its own local model: by the log likelihood ratio and the free-space
  * term, or, as in the paper, by the overlap of segments. Never changes; thread-safe. */
 class HypothesisScore {
