@@ -264,7 +264,9 @@ TEST_F(Evidence, APlaceThatLooksLikeNoOtherIsBelievedSooner) {
   params.calibration.probability.least_null_score = -10, params.calibration.probability.usual_ambiguity = 0;
   map.ambiguity = MapAmbiguity{40, 20};  // counts as much as the usual one
   const auto nullScoreWith = [&](double weight, double share) {
-    return ranking().oddsOfKnown(true, weight, share, here).null_score;
+    params.calibration.sequence.lookalike_weight = weight;
+    params.calibration.sequence.lookalike_share_of_place = share;
+    return ranking().oddsOfKnown(true, here).null_score;
   };
   EXPECT_DOUBLE_EQ(nullScoreWith(0.8, 0.5), 0.2 * -10 + 0.8 * 20) << "this place has no scores";
   map.models[0].alias_score = 4, map.models[2].alias_score = 8;

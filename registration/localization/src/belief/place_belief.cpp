@@ -201,9 +201,7 @@ PoseWithCovariance PlaceBelief::poseOf(const Hypothesis& h) const {
 
 // Log odds of a place that was known before this view.
 double PlaceBelief::oddsOfKnown(const View& view, const Hypothesis& h) const {
-  const ScoreOdds odds = ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), calibration_.lookalike_weight,
-                                              calibration_.lookalike_share_of_place, h);
-  return odds(h.score);
+  return ranking_.oddsOfKnown(ranking_.mayHaveEvidence(view), h)(h.score);
 }
 
 // Log odds of a place that was beyond doubt. Surfaces that the map lacks, those hidden from its local models

@@ -43,7 +43,8 @@ bool PlaceRanking::mayHaveEvidence(const View& scene) const {
 }
 
 // Score of wrong matches: the map's, moved by a share towards the highest of the models around the place.
-double PlaceRanking::aliasScoreOf(const Hypothesis& place, double share_of_place) const {
+double PlaceRanking::aliasScoreOf(const Hypothesis& place) const {
+  const double share_of_place = params_.calibration.sequence.lookalike_share_of_place;
   const double of_map = meanAmbiguity(params_.calibration.probability, map_->mapOf(place.part).ambiguity);
   std::optional<double> of_place;
   for (const int i : near_.bySight(place.part, *place.T_w_c, kEvidenceReach, kEvidenceModels))
@@ -53,14 +54,13 @@ double PlaceRanking::aliasScoreOf(const Hypothesis& place, double share_of_place
   return of_place ? std::min(of_map, of_map + share_of_place * (*of_place - of_map)) : of_map;
 }
 
-ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, double lookalike_weight, double share_of_place,
-                                    const Hypothesis& place) const {
+ScoreOdds PlaceRanking::oddsOfKnown(bool evidence, const Hypothesis& place) const {
   if (!evidence || map_->models.size() == 1) return odds(evidence, {});
   const ProbabilityCalibration& p = params_.calibration.probability;
   const double prior = params_.probability.priorLogOdds(),
-               slope = slopeOf(p, map_->mapOf(place.part).ambiguity);
-  return {slope, (1 - lookalike_weight) * p.least_null_score +
-                     lookalike_weight * aliasScoreOf(place, share_of_place) + prior / slope};
+               slope = slopeOf(p, map_->mapOf(place.part).ambiguity),
+               weight = params_.calibration.sequence.lookalike_weight;
+  return {slope, (1 - weight) * p.least_null_score + weight * aliasScoreOf(place) + prior / slope};
 }
 
 ScoreOdds PlaceRanking::odds(bool evidence, const std::vector<Hypothesis>& sorted) const {

@@ -39,17 +39,16 @@ public:
   ScoreOdds odds(bool evidence, const std::vector<Hypothesis>& sorted) const override;
   /** \brief Odds by the score of a place that was known before the view, and therefore is not the best of
    * many. With evidence, S_0 lies between least_null_score and the score of wrong matches, nearer to that by
-   * their weight from 0 to 1; those of the local models around the place have a share from 0 to 1 in it,
-   * those of the whole map the rest (METHOD 3.5). */
-  ScoreOdds oddsOfKnown(bool evidence, double lookalike_weight, double share_of_place,
-                        const Hypothesis& place) const;
+   * lookalike_weight; those of the local models around the place have lookalike_share_of_place in it, those
+   * of the whole map the rest (METHOD 3.5). */
+  ScoreOdds oddsOfKnown(bool evidence, const Hypothesis& place) const;
 
 private:
   std::vector<NearbyView> neighbours(const Hypothesis& h) const override;
   Eigen::Isometry3d poseOfModel(const Hypothesis& h) const override;
   int viewpoints(const std::vector<int>& models) const override;
   double evidenceWeight() const override;
-  double aliasScoreOf(const Hypothesis& place, double share_of_place) const;
+  double aliasScoreOf(const Hypothesis& place) const;
 
   std::shared_ptr<const Map> map_;
   GlobalLocalizationParams params_;
