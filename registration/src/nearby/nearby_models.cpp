@@ -49,14 +49,6 @@ void NearbyModels::forEachWithin(int part, const Eigen::Vector3d& place, double 
   }
 }
 
-std::size_t NearbyModels::placesIn(int part) const {
-  const auto first =
-      std::partition_point(places_.begin(), places_.end(), [part](const Place& p) { return p.part < part; });
-  const auto last =
-      std::partition_point(first, places_.end(), [part](const Place& p) { return p.part == part; });
-  return static_cast<std::size_t>(last - first);
-}
-
 std::vector<int> NearbyModels::bySight(int part, const Eigen::Isometry3d& T_w_c, const ViewReach& reach,
                                        int n) const {
   std::vector<std::pair<double, int>> near;
@@ -70,7 +62,7 @@ std::vector<int> NearbyModels::bySight(int part, const Eigen::Isometry3d& T_w_c,
 std::vector<int> NearbyModels::byPlace(int part, const Eigen::Vector3d& place, int n) const {
   constexpr double kFirst = 2, kFarthest = 1e7;  // [m]
   std::vector<std::pair<double, int>> near;
-  const std::size_t wanted = std::min(placesIn(part), static_cast<std::size_t>(std::max(n, 0)));
+  const auto wanted = static_cast<std::size_t>(std::max(n, 0));
   for (double distance = kFirst; near.size() < wanted && distance < kFarthest; distance *= 2) {
     near.clear();
     forEachWithin(part, place, distance,

@@ -36,7 +36,6 @@ private:
   };
   template <class Visitor>
   void forEachWithin(int part, const Eigen::Vector3d& place, double distance, const Visitor& visit) const;
-  std::size_t placesIn(int part) const;
 
   std::shared_ptr<const Map> map_;
   std::vector<Place> places_;  // sorted by part, then by x
