@@ -64,8 +64,8 @@ function(facetloc_add_module name)
 endfunction()
 
 # facetloc_add_loaded(<name> COMPONENT <of packages> SOURCES ... LINK ...)
-# A shared library that another one or a tool loads when it is needed (features/base/module.h), by the name in
-# FACETLOC_LOADED_<name>: a part with dependencies that not everybody wants to install.
+# A shared library that another one or a tool loads when it is needed (apps/src/batch/ranks.cpp), by the name
+# in FACETLOC_LOADED_<name>: a part with dependencies that not everybody wants to install.
 function(facetloc_add_loaded name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "COMPONENT" "SOURCES;LINK")
   set(lib facetloc_${name})

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/ranks.h"
 
-#include "base/module.h"
 #include "batch/message_passing.h"
 
 #include <algorithm>
 #include <cstdlib>
+#include <dlfcn.h>
 #include <sched.h>
 #include <thread>
 #include <unistd.h>
@@ -26,16 +26,18 @@ bool startedByMpirun() {
   return has("OMPI_COMM_WORLD_SIZE") || has("PMIX_RANK") || has("PMI_RANK");
 }
 
+/** The functions of a module, which is possibly not installed, and stays loaded. */
 const mpi::Calls& load() {
   std::string problem = "it was built without MPI";
-  const auto calls = *FACETLOC_MPI_MODULE ? internal::loadFunction<const mpi::Calls*()>(
-                                                FACETLOC_MPI_MODULE, "facetlocMessagePassing", problem)
-                                          : nullptr;
-  if (!calls)
-    throw std::runtime_error(
-        "cannot be started by mpirun: install the package facetloc-tools-mpi, or start it without (" +
-        problem + ")");
-  return *calls();
+  if (*FACETLOC_MPI_MODULE) {
+    void* const loaded = dlopen(FACETLOC_MPI_MODULE, RTLD_NOW | RTLD_GLOBAL);
+    void* const found = loaded ? dlsym(loaded, "facetlocMessagePassing") : nullptr;
+    if (found) return *reinterpret_cast<const mpi::Calls* (*)()>(found)();
+    if (const char* why = dlerror()) problem = why;
+  }
+  throw std::runtime_error(
+      "cannot be started by mpirun: install the package facetloc-tools-mpi, or start it without (" + problem +
+      ")");
 }
 
 /** The machine's cores over its ranks, and no more than mpirun has bound this one to. */
