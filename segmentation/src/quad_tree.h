@@ -47,18 +47,15 @@ public:
                 cells = leaf.size / kSmallestCell;
       const int a = static_cast<int>(i);
       // To the right and below; smaller neighbours come one after the other, larger ones as often as cells.
-      int last = -1;
-      for (int k = 0; k < cells && column + cells < columns(); ++k) {
-        const int b = leaf_of_cell_[std::size_t(row + k) * columns() + column + cells];
-        if (b >= 0 && b != last) function(a, b);
-        last = b;
-      }
-      last = -1;
-      for (int k = 0; k < cells && row + cells < rows(); ++k) {
-        const int b = leaf_of_cell_[std::size_t(row + cells) * columns() + column + k];
-        if (b >= 0 && b != last) function(a, b);
-        last = b;
-      }
+      const auto callFor = [&](int first, int step) {
+        for (int k = 0, last = -1; k < cells; ++k) {
+          const int b = leaf_of_cell_[std::size_t(first + k * step)];
+          if (b >= 0 && b != last) function(a, b);
+          last = b;
+        }
+      };
+      if (column + cells < columns()) callFor(row * columns() + column + cells, columns());
+      if (row + cells < rows()) callFor((row + cells) * columns() + column, 1);
     }
   }
 
