@@ -45,8 +45,6 @@ class MapSurroundings {
 public:
   MapSurroundings(std::shared_ptr<const Map> map, const DepthComparison& comparison);
   const Map& map() const { return *map_; }
-  /** \brief False if no local model has a pose: nothing surrounds anything then. */
-  bool anyPose() const { return !near_.empty(); }
   /** \brief The at most n nearest models of a part of the map by viewDistance() that confirm some of a view
    * taken about at T_w_c, nearest first; if they are fewer, then the nearest others. Indices are those in the
    * map. A model that confirms next to nothing, because it is behind a wall, gives its planes but no picture.
