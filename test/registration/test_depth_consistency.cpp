@@ -115,8 +115,6 @@ TEST(DepthConsistency, LabelsAddUpToTheCountsOfCompare) {
   EXPECT_EQ(counted.agree, want.agree);
   EXPECT_EQ(counted.contradict, want.contradict);
   EXPECT_EQ(counted.occluded, want.occluded);
-  EXPECT_EQ(comparison().countBoth(a, b, T, kFineColumns).judged(),
-            comparison().compareBoth(a, b, T, kFineColumns).judged());
   const DepthComparison compared = comparison();
   const DepthComparator judge(compared, a, b, T);
   DepthAgreement sum;

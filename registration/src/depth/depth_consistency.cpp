@@ -160,12 +160,6 @@ DepthAgreement DepthComparison::count(const DepthPicture& a, const DepthPicture&
   return sumOf<&DepthComparator::count>(*this, a, b, T_b_a, columns);
 }
 
-DepthAgreement DepthComparison::countBoth(const DepthPicture& a, const DepthPicture& b,
-                                          const Eigen::Isometry3d& T_b_a, int columns) const {
-  DepthAgreement sum = count(a, b, T_b_a, columns);
-  return sum += count(b, a, T_b_a.inverse(), columns);
-}
-
 int DepthComparison::pixelsInReach(const DepthPicture& picture, int columns) const {
   const int step = gridStep(picture, columns);
   const auto least = static_cast<int>(farthest() / DepthPicture::kQuantum);

@@ -49,6 +49,14 @@ struct DepthErrors {
   double tolerance(double predicted) const { return gate * of(predicted); }
 };
 
+/** \brief How depth is compared at a pose that all pixels have refined. */
+inline DepthCalibration refinedErrors(const Calibration& calibration) {
+  DepthCalibration depth = calibration.depth;
+  depth.absolute_error = calibration.refined_depth.absolute_error;
+  depth.relative_error = calibration.refined_depth.relative_error;
+  return depth;
+}
+
 /** \brief Compares pictures, each by the noise that it was seen with. */
 class DepthComparison {
 public:
@@ -64,9 +72,6 @@ public:
   /** \brief The verdicts alone, without likelihood and misfit, in half the time. */
   DepthAgreement count(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
                        int columns) const;
-  /** \brief Both directions. */
-  DepthAgreement countBoth(const DepthPicture& a, const DepthPicture& b, const Eigen::Isometry3d& T_b_a,
-                           int columns) const;
   DepthErrors errorsBetween(const DepthPicture& a, const DepthPicture& b) const {
     // The noise of depths is a polynomial in inverse depth r: s_2 + s_1 r + s_0 r^2 (features/METHOD 2.2).
     const DepthNoise noise = commonNoise(a, b);

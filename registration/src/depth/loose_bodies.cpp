@@ -56,10 +56,7 @@ private:
   enum Cell : char { kFixed, kLoose, kFound };
   // Plane and pixels are of one image.
   static DepthErrors errorsOf(const DepthPicture& picture) {
-    DepthCalibration calibration;
-    calibration.absolute_error = RefinedDepthCalibration().absolute_error;
-    calibration.relative_error = RefinedDepthCalibration().relative_error;
-    return DepthComparison(calibration).errorsBetween(picture, picture);
+    return DepthComparison(refinedErrors({})).errorsBetween(picture, picture);
   }
   Eigen::Vector3d ray(int u, int v) const {
     return picture_.camera.ray(u * step_ + step_ / 2, v * step_ + step_ / 2);

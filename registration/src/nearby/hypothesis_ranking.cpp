@@ -4,8 +4,6 @@
 #include "depth/dense_refinement.h"
 #include "depth/depth_fit.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -22,12 +20,6 @@ struct DepthEvidence {
   int pixels = 0;    // pixels of the scene
   int expected = 0;  // pixels among these that could agree
   std::vector<DepthAgreement> of_models;
-
-  void add(const DepthEvidence& other) {
-    of_scene += other.of_scene;
-    pixels += other.pixels;
-    of_models.insert(of_models.end(), other.of_models.begin(), other.of_models.end());
-  }
 };
 
 namespace {
@@ -149,13 +141,6 @@ double shareOfRepeated(const View& scene) {
 
 }  // namespace
 
-DepthCalibration refinedErrors(const Calibration& calibration) {
-  DepthCalibration depth = calibration.depth;
-  depth.absolute_error = calibration.refined_depth.absolute_error;
-  depth.relative_error = calibration.refined_depth.relative_error;
-  return depth;
-}
-
 HypothesisRanking::HypothesisRanking(const RegistrationParams& params, MapSurfaces surfaces,
                                      const ConsideredErrors& errors)
     : params_(params),
@@ -187,9 +172,10 @@ DepthEvidence HypothesisRanking::compared(const DepthPicture& depth, const View&
   for (const SidePicture& side : scene.sides) {
     Hypothesis there = h;
     *there.T_w_c = *h.T_w_c * side.T_v_c;
-    DepthEvidence of_side = ofPicture(*side.picture, *there.T_w_c, this->neighbours(there), comparison);
-    of_side.pixels = of_side.of_scene.judged();  // where the map shows nothing, a side says nothing
-    found.add(of_side);
+    const DepthEvidence of_side = ofPicture(*side.picture, *there.T_w_c, this->neighbours(there), comparison);
+    found.of_scene += of_side.of_scene;
+    found.pixels += of_side.of_scene.judged();  // where the map shows nothing, a side says nothing
+    found.of_models.insert(found.of_models.end(), of_side.of_models.begin(), of_side.of_models.end());
   }
   return found;
 }

@@ -23,9 +23,6 @@
 
 namespace facetloc::internal {
 
-/** \brief How depth is compared at a pose that all pixels have refined. */
-DepthCalibration refinedErrors(const Calibration& calibration);
-
 /** \brief Log odds of a score against the null hypothesis: the list lacks the place of the view. */
 struct ScoreOdds {
   double slope = 0;       ///< [1/nat]
@@ -119,15 +116,8 @@ public:
   LooseBodies::Chosen furnitureAt(const Hypothesis& h, const LooseBodies& bodies) const;
 
   /** \brief Gives the first place and all that are possible, which stay where they are, the covariance that
-   * the cost shows (METHOD 11.4), and all places the errors that no pixel shows. \param prior T_m_c that the
-   * hypotheses were found with, positive definite
-   */
-  void stateAsShown(const View& scene, const PoseWithCovariance& prior,
-                    std::vector<Hypothesis>& hypotheses) const {
-    stateAsShown(
-        scene, [&prior](int) { return prior; }, hypotheses);
-  }
-  /** \brief The same with a prior for each local model. */
+   * the cost shows (METHOD 11.4), and all places the errors that no pixel shows. \param prior_of T_m_c that
+   * the hypotheses of a local model were found with, positive definite */
   void stateAsShown(const View& scene, const std::function<PoseWithCovariance(int model)>& prior_of,
                     std::vector<Hypothesis>& hypotheses) const;
 

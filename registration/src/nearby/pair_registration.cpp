@@ -112,8 +112,7 @@ struct PairRegistration::Impl {
     for (const Hypothesis& h : poses) starts.push_back(h.T_m_c);
     LocalMap surroundings;
     surroundings.add(0, target, Eigen::Isometry3d::Identity());
-    ViewAlignmentParams alignment = alignmentWithCovariance();
-    alignment.matching = params.matching;
+    const ViewAlignmentParams alignment = alignmentWithCovariance(false, params.matching);
     for (const PoseWithCovariance& start : starts) {
       PoseWithCovariance found = alignView(query.view, surroundings, start, alignment).T_w_c;
       found = alignView(query.view, surroundings, {found.T, aboutStart()}, alignment).T_w_c;
@@ -167,7 +166,8 @@ Localization PairRegistration::align(const View& view, const PoseWithCovariance&
       rankAll({impl_->target, impl_->params, doubt + kDoubtOfCoarse}, view, answer.hypotheses);
     }
   }
-  ranking.stateAsShown(view, prior, answer.hypotheses);
+  ranking.stateAsShown(
+      view, [&prior](int) { return prior; }, answer.hypotheses);
   concludePose(impl_->params.sure, answer);
   if (!answer.hypotheses.empty() && !Impl::agree(answer.hypotheses.front())) {
     answer.fixes_pose = false;

@@ -43,8 +43,9 @@ Matrix6d aboutStart() {
   return std.cwiseAbs2().asDiagonal();
 }
 
-ViewAlignmentParams alignmentWithCovariance(bool as_shown) {
+ViewAlignmentParams alignmentWithCovariance(bool as_shown, const MatchingParams& matching) {
   ViewAlignmentParams params;
+  params.matching = matching;
   params.as_shown = as_shown;
   params.dense.correlated_pixels = kCorrelatedPixels;
   params.dense.significance = kSignificance;

@@ -45,7 +45,7 @@ constexpr double kSignificance = 2;        ///< least information of a direction
 
 /** \brief Alignment where the covariance counts: errors of neighbouring pixels are correlated, and directions
  * without significant information are left to the prior (METHOD 11). */
-ViewAlignmentParams alignmentWithCovariance(bool as_shown = false);
+ViewAlignmentParams alignmentWithCovariance(bool as_shown = false, const MatchingParams& matching = {});
 
 /** \brief Covariance of a pose about the start of an alignment that begins near its end: 3 deg, 0.1 m. */
 Matrix6d aboutStart();

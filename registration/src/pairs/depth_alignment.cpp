@@ -24,7 +24,9 @@ std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& mo
   std::vector<DepthAgreement> found;
   int largest = 0;
   for (int i = -half; i <= half; ++i) {
-    found.push_back(comparison.countBoth(scene, model, at(centre + i * params.step), kCoarseColumns));
+    const Eigen::Isometry3d T = at(centre + i * params.step);
+    found.push_back(comparison.count(scene, model, T, kCoarseColumns));
+    found.back() += comparison.count(model, scene, T.inverse(), kCoarseColumns);
     largest = std::max(largest, found.back().judged());
   }
   constexpr double kEnoughShared = 0.25;  // share of the largest overlap; fewer pixels agree by chance

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/place_following.h"
 
-#include "nearby/hypothesis_ranking.h"
 #include "poses/pose_fusion.h"
 
 #include <facetloc/registration/pose_prior.h>
@@ -30,8 +29,7 @@ double share(const DepthAgreement& a) {
 }
 
 ViewAlignmentParams alignmentParams(const MatchingParams& matching) {
-  ViewAlignmentParams params = alignmentWithCovariance(true);
-  params.matching = matching;
+  ViewAlignmentParams params = alignmentWithCovariance(true, matching);
   params.dense.iterations = kDenseIterations;
   return params;
 }

@@ -240,9 +240,8 @@ Localization GlobalLocalization::localize(const View& view) const {
 
 void GlobalLocalization::Impl::stateAsShown(const View& view, const PoseWithCovariance& prior,
                                             bool keeps_mean, std::vector<Hypothesis>& hypotheses) const {
-  if (!view.gravity) return ranking.stateAsShown(view, prior, hypotheses);
   const auto priorOfModel = [&](int model) {
-    const auto of_model = gravityOf(view, model, *map->view(model));
+    const auto of_model = view.gravity ? gravityOf(view, model, *map->view(model)) : std::nullopt;
     return of_model ? correctedByGravity(prior, *of_model, *view.gravity, keeps_mean) : prior;
   };
   ranking.stateAsShown(view, priorOfModel, hypotheses);

@@ -32,11 +32,9 @@ PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizat
       map_(std::move(map)),
       params_(params),
       score_(params, comparison()),
-      alignment_(alignmentWithCovariance(true)),
+      alignment_(alignmentWithCovariance(true, params.matching)),
       near_(map_, true),
-      rendered_(renderedViews(*map_)) {
-  alignment_.matching = params.matching;
-}
+      rendered_(renderedViews(*map_)) {}
 
 bool PlaceRanking::mayHaveEvidence(const View& scene) const {
   return params_.evidence.enabled && !params_.score.by_overlap && !scene.depth.empty() && !near_.empty();
