@@ -75,7 +75,6 @@ struct Localizer::Impl {
   void reset();
   void forget();  // the places and all that was seen there
 
-  bool anyPose() const;
   bool isLikely() const;
   bool isSure() const;
   bool isSure(const Localization& found) const;
@@ -129,11 +128,6 @@ void Localizer::Impl::forget() {
   contradicted_since.reset();
   quarters.reset();
   latest_observation = next_check = -std::numeric_limits<double>::infinity();
-}
-
-bool Localizer::Impl::anyPose() const {
-  const std::vector<LocalModel>& models = localization.map().models;
-  return std::any_of(models.begin(), models.end(), [](const LocalModel& m) { return m.T_w_m.has_value(); });
 }
 
 bool Localizer::Impl::isLikely() const {
@@ -342,7 +336,9 @@ Localization Localizer::Impl::answer(const Step& step) {
     out.reason = "the map contradicts the view";
   if (out.hypotheses.empty() && !step.of_search.empty()) out.reason = step.of_search;
   if (!step.shows_anything && out.state != AnswerState::sure) out.reason = "the view shows no planar segment";
-  if (!anyPose()) out.reason = "no local model of the map has a pose";
+  const std::vector<LocalModel>& models = localization.map().models;
+  if (std::none_of(models.begin(), models.end(), [](const LocalModel& m) { return m.T_w_m.has_value(); }))
+    out.reason = "no local model of the map has a pose";
   track(out);
   if (out.began_anew) out.reason = step.anew;
   out.shares = localization.shares(*step.view, out);
