@@ -19,10 +19,7 @@ constexpr double kRestless = 1.5;   // sum of |v|^2 of three motions that keep n
 }  // namespace
 
 Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slips) {
-  PosePriorParams prior;
-  prior.translation_std = kDistance;
-  prior.rotation_std_deg = kTurnDeg;
-  Matrix6d P = posePrior(mounting, prior);
+  const Matrix6d P = posePrior(mounting, {kTurnDeg, kDistance, {}});
   if (!mounting || slips) return P;
   const Vector6d sideways = cameraMotion(*mounting).col(kSideways);  // motion of the camera, one metre
   return P - (kDistance * kDistance - kSidewaysStd * kSidewaysStd) * sideways * sideways.transpose();
@@ -30,10 +27,7 @@ Matrix6d stepCovariance(const std::optional<CameraMounting>& mounting, bool slip
 
 Matrix6d motionPrior(double dt, const std::optional<CameraMounting>& mounting) {
   const double time = std::clamp(dt, kShortest, kLongest);
-  PosePriorParams prior;
-  prior.translation_std = kSpeed * time;
-  prior.rotation_std_deg = kTurnRateDeg * time;
-  return posePrior(mounting, prior);
+  return posePrior(mounting, {kTurnRateDeg * time, kSpeed * time, {}});
 }
 
 SidewaysShift sidewaysShift(const PoseWithCovariance& T_before_after, const CameraMounting& mounting) {

@@ -28,10 +28,7 @@ constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
 
 // Covariance of a camera on a robot that has come onto another piece of an uneven floor.
 Matrix6d joltOf(const CameraMounting& mounting) {
-  PosePriorParams floor;
-  floor.translation_std = kLeastTranslation;
-  floor.rotation_std_deg = kLeastRotation / kDegree;
-  return posePrior(mounting, floor);
+  return posePrior(mounting, {kLeastRotation / kDegree, kLeastTranslation, {}});
 }
 
 }  // namespace
