@@ -4,6 +4,7 @@
 #include <facetloc/features/pose.h>
 #include <facetloc/features/segment_estimation.h>
 #include <facetloc/registration/pose_prior.h>
+#include <facetloc/testing/plane_residual.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
@@ -164,18 +165,16 @@ TEST(EkfPoseUpdate, OneIterationIsTheImplicitFilterOfTheTextbook) {
     const EkfUpdate u = ekfPoseUpdate(scene, model, prior, ungated(1));
     ASSERT_TRUE(u.accepted);
     // Ayache & Faugeras: linearise 0 = h(w, q, q') about the prior mean and zero disturbances.
-    PlaneJacobians J;
-    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-    const Eigen::Vector3d h = planeResidual(scene, model, prior.T, zero, zero, &J);
-    const Eigen::Matrix3d W =
-        J.E * scene.Sigma_q * J.E.transpose() + J.E_model * model.Sigma_q * J.E_model.transpose();
+    PlaneMeasurement m;
+    ASSERT_TRUE(measurePlane(scene, model, prior.T, 0, m));
     const Eigen::Matrix<double, 6, 3> K =
-        prior.P * J.H.transpose() * (J.H * prior.P * J.H.transpose() + W).inverse();
-    const Vector6d dw = -K * h;
-    const Matrix6d IKH = Matrix6d::Identity() - K * J.H;
+        prior.P * m.H.transpose() * (m.H * prior.P * m.H.transpose() + m.W).inverse();
+    const Vector6d dw = -K * m.h;
+    const Matrix6d IKH = Matrix6d::Identity() - K * m.H;
     Matrix6d reset = Matrix6d::Identity();
     reset.topLeftCorner<3, 3>() = leftJacobianSO3(dw.head<3>());
-    const Matrix6d P = reset * (IKH * prior.P * IKH.transpose() + K * W * K.transpose()) * reset.transpose();
+    const Matrix6d P =
+        reset * (IKH * prior.P * IKH.transpose() + K * m.W * K.transpose()) * reset.transpose();
     EXPECT_THAT(u.pose.T, PoseNear(boxplus(prior.T, dw), 1e-12, 1e-10));
     EXPECT_THAT(u.pose.P, MatrixNear(P, 1e-12));
   }
@@ -202,7 +201,7 @@ public:
 
 private:
   Eigen::Vector3d residual(const Vector6d& e, const Eigen::Vector3d& q, const Eigen::Vector3d& q_model) {
-    return planeResidual(scene_, model_, boxplus(prior_.T, e), q, q_model);
+    return test::residualOfThePaper(scene_, model_, boxplus(prior_.T, e), q, q_model);
   }
 
   // The minimum over e' of e'^T P^-1 e' + h^T W^-1 h, with h linear about the displacement e.

@@ -2,6 +2,7 @@
 #include "pairs/plane_measurement.h"
 
 #include <facetloc/testing/numeric_jacobian.h>
+#include <facetloc/testing/plane_residual.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 
@@ -16,7 +17,9 @@ namespace {
 
 using namespace internal;
 using test::disturbed, test::gaussian, test::IsPositiveSemidefinite, test::MatrixNear, test::numericJacobian,
-    test::randomPose, test::randomSegment, test::Rng, test::uniform;
+    test::randomPose, test::randomSegment, test::residualOfThePaper, test::Rng, test::uniform;
+
+constexpr double kAnyCosine = -2;
 
 Eigen::Vector3d smallDisturbance(Rng& rng) {
   return {uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3)};
@@ -39,69 +42,13 @@ Matrix6d randomPoseCovariance(Rng& rng) {
   return test::randomCovariance<6>(rng, std);
 }
 
-TEST(PlaneMeasurement, JacobiansAreTheDerivatives) {
-  Rng rng(1);
-  for (int i = 0; i < 500; ++i) {
-    const Segment F = randomSegment(rng), Fp = randomSegment(rng);
-    const Eigen::Isometry3d T = randomPose(rng, 3.1, 3);
-    const Eigen::Vector3d q = smallDisturbance(rng), qp = smallDisturbance(rng);
-    PlaneJacobians J;
-    planeResidual(F, Fp, T, q, qp, &J);
-    const auto by_pose =
-        numericJacobian<3, 6>([&](const Vector6d& d) { return planeResidual(F, Fp, boxplus(T, d), q, qp); },
-                              Vector6d::Zero().eval());
-    const auto by_scene =
-        numericJacobian<3, 3>([&](const Eigen::Vector3d& x) { return planeResidual(F, Fp, T, x, qp); }, q);
-    const auto by_model =
-        numericJacobian<3, 3>([&](const Eigen::Vector3d& x) { return planeResidual(F, Fp, T, q, x); }, qp);
-    EXPECT_THAT(J.H, MatrixNear(by_pose, 1e-7));  // worst observed: 2e-9
-    EXPECT_THAT(J.E, MatrixNear(by_scene, 1e-7));
-    EXPECT_THAT(J.E_model, MatrixNear(by_model, 1e-7));
-  }
-}
-
 TEST(PlaneMeasurement, ATruePairUnderTheTruePoseHasNoResidual) {
   Rng rng(2);
   for (int i = 0; i < 500; ++i) {
     const TruePair pair(rng);
-    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-    EXPECT_THAT(planeResidual(pair.scene, pair.model, pair.T_m_c, zero, zero), MatrixNear(zero, 1e-12));
-  }
-}
-
-TEST(PlaneMeasurement, DisturbancesThatExplainThePlanesLeaveNoResidual) {
-  Rng rng(3);
-  for (int i = 0; i < 500; ++i) {
-    const TruePair pair(rng);
-    const Eigen::Vector3d q = 0.2 * smallDisturbance(rng), qp = 0.2 * smallDisturbance(rng);
-    const Segment scene = disturbed(pair.scene, q), model = disturbed(pair.model, qp);
-    // The true plane has the disturbances q and q' in the disturbed frames.
-    EXPECT_LT(planeResidual(scene, model, pair.T_m_c, q, qp).norm(), 1e-12);
-  }
-}
-
-// Eqs. (10)-(14) of the paper as they stand there.
-Eigen::Vector3d residualOfThePaper(const Segment& F, const Segment& Fp, const Eigen::Isometry3d& w,
-                                   const Eigen::Vector3d& q, const Eigen::Vector3d& qp) {
-  const auto normalOf = [](const Eigen::Vector3d& d) {
-    return Eigen::Vector3d(Eigen::Vector3d(d[0], d[1], 1) /
-                           std::sqrt(d[0] * d[0] + d[1] * d[1] + 1));  // Eq. (2)
-  };
-  const Eigen::Matrix3d R = w.linear();
-  const Eigen::Vector3d n_F = normalOf(q), n_Fp = Fp.R.transpose() * R * F.R * n_F;  // Eq. (10)
-  const double rho =
-      q[2] + n_F.dot(F.R.transpose() * (F.t + R.transpose() * (w.translation() - Fp.t)));  // Eq. (11)
-  const Eigen::Vector3d model = normalOf(qp);
-  return {n_Fp.x() - model.x(), n_Fp.y() - model.y(), rho - qp[2]};
-}
-
-TEST(PlaneMeasurement, IsThatOfThePaper) {
-  Rng rng(4);
-  for (int i = 0; i < 500; ++i) {
-    const Segment F = randomSegment(rng), Fp = randomSegment(rng);
-    const Eigen::Isometry3d T = randomPose(rng, 3.1, 3);
-    const Eigen::Vector3d q = smallDisturbance(rng), qp = smallDisturbance(rng);
-    EXPECT_THAT(planeResidual(F, Fp, T, q, qp), MatrixNear(residualOfThePaper(F, Fp, T, q, qp), 1e-12));
+    PlaneMeasurement m;
+    ASSERT_TRUE(measurePlane(pair.scene, pair.model, pair.T_m_c, 0, m));
+    EXPECT_LT(m.h.norm(), 1e-12);
   }
 }
 
@@ -111,12 +58,13 @@ TEST(PlaneMeasurement, ThirdComponentIsTheDistanceOfTheModelsCentroidFromTheScen
     const Segment F = randomSegment(rng), Fp = randomSegment(rng);
     const Eigen::Isometry3d T = randomPose(rng, 3.1, 3);
     const Segment moved = transformed(F, T);
-    const double h3 = planeResidual(F, Fp, T, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero())[2];
-    EXPECT_NEAR(h3, moved.offset() - moved.normal().dot(Fp.t), 1e-12);
+    PlaneMeasurement m;
+    ASSERT_TRUE(measurePlane(F, Fp, T, kAnyCosine, m));
+    EXPECT_NEAR(m.h[2], moved.offset() - moved.normal().dot(Fp.t), 1e-12);
   }
 }
 
-TEST(PlaneMeasurement, MeasurePlaneIsTheResidualOfUndisturbedPlanes) {
+TEST(PlaneMeasurement, IsTheEquationOfThePaperForUndisturbedPlanesWithItsDerivatives) {
   Rng rng(6);
   int measured = 0;
   for (int i = 0; i < 500; ++i) {
@@ -127,13 +75,18 @@ TEST(PlaneMeasurement, MeasurePlaneIsTheResidualOfUndisturbedPlanes) {
     ASSERT_EQ(measurePlane(F, Fp, T, 0.3, m), cosine > 0.3);
     if (!(cosine > 0.3)) continue;
     ++measured;
-    PlaneJacobians J;
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-    EXPECT_THAT(m.h, MatrixNear(planeResidual(F, Fp, T, zero, zero, &J), 1e-12));
-    EXPECT_THAT(m.H, MatrixNear(J.H, 1e-12));
-    const Eigen::Matrix3d W =
-        J.E * F.Sigma_q * J.E.transpose() + J.E_model * Fp.Sigma_q * J.E_model.transpose();
-    EXPECT_THAT(m.W, MatrixNear(W, 1e-12));
+    EXPECT_THAT(m.h, MatrixNear(residualOfThePaper(F, Fp, T, zero, zero), 1e-12));
+    const auto H = numericJacobian<3, 6>(
+        [&](const Vector6d& d) { return residualOfThePaper(F, Fp, boxplus(T, d), zero, zero); },
+        Vector6d::Zero().eval());
+    const auto E = numericJacobian<3, 3>(
+        [&](const Eigen::Vector3d& q) { return residualOfThePaper(F, Fp, T, q, zero); }, zero);
+    const auto E_model = numericJacobian<3, 3>(
+        [&](const Eigen::Vector3d& qp) { return residualOfThePaper(F, Fp, T, zero, qp); }, zero);
+    EXPECT_THAT(m.H, MatrixNear(H, 1e-7));
+    const Eigen::Matrix3d W = E * F.Sigma_q * E.transpose() + E_model * Fp.Sigma_q * E_model.transpose();
+    EXPECT_THAT(m.W, MatrixNear(W, 1e-6));
     EXPECT_THAT(m.W, IsPositiveSemidefinite(1e-12));
     const Matrix6d P = randomPoseCovariance(rng);
     const Eigen::Matrix3d S = m.H * P * m.H.transpose() + m.W;

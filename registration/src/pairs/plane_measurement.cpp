@@ -11,51 +11,15 @@
 namespace facetloc::internal {
 namespace {
 
-// Normal of a plane tilted by (s_x, s_y), in its segment frame: Eq. (2).
-Eigen::Vector3d tiltedNormal(double sx, double sy) { return Eigen::Vector3d(sx, sy, 1).normalized(); }
-
-// D(s) = dn / d(s_x, s_y), 3x2 (METHOD 3.1).
-Eigen::Matrix<double, 3, 2> tiltJacobian(double sx, double sy) {
-  const Eigen::Vector3d n = tiltedNormal(sx, sy);
-  const Eigen::Matrix3d tangent =
-      (Eigen::Matrix3d::Identity() - n * n.transpose()) / std::sqrt(1 + sx * sx + sy * sy);
-  return tangent.leftCols<2>();
-}
-
 // A stretch of half length a has the variance a^2 / 3 about its middle. Two of them overlap as long as their
 // middles are no more than 2 a apart, uniformly: a variance of 4 a^2 / 3, twice the sum of both.
 constexpr double kOfOverlapping = 2;
 
 }  // namespace
 
-Eigen::Vector3d planeResidual(const Segment& F, const Segment& Fp, const Eigen::Isometry3d& T_m_c,
-                              const Eigen::Vector3d& q, const Eigen::Vector3d& qp,
-                              PlaneJacobians* jacobians) {
-  const auto x = Fp.R.col(0), y = Fp.R.col(1);
-  const Eigen::Vector3d m = F.R * tiltedNormal(q[0], q[1]);  // the scene's normal in S_C
-  const Eigen::Vector3d u = T_m_c.linear() * m;              // and in S_M
-  const Eigen::Vector3d n_model = tiltedNormal(qp[0], qp[1]);
-  const Eigen::Vector3d lever = Fp.t - T_m_c.translation();
-  const Eigen::Vector3d h(x.dot(u) - n_model[0], y.dot(u) - n_model[1],  // Eqs. (10), (12)
-                          q[2] + m.dot(F.t) - u.dot(lever) - qp[2]);     // Eqs. (11), (13)
-  if (jacobians) {
-    jacobians->H.setZero();
-    jacobians->H.row(0).head<3>() = u.cross(x);
-    jacobians->H.row(1).head<3>() = u.cross(y);
-    jacobians->H.row(2) << lever.cross(u).transpose(), u.transpose();
-    const Eigen::Matrix<double, 3, 2> G = T_m_c.linear() * F.R * tiltJacobian(q[0], q[1]);
-    const Eigen::Vector3d delta = T_m_c * F.t - Fp.t;
-    jacobians->E << x.transpose() * G, 0, y.transpose() * G, 0, delta.transpose() * G, 1;
-    jacobians->E_model.setZero();
-    jacobians->E_model.topLeftCorner<2, 2>() = -tiltJacobian(qp[0], qp[1]).topRows<2>();
-    jacobians->E_model(2, 2) = -1;
-  }
-  return h;
-}
-
 bool measurePlane(const Segment& F, const Segment& Fp, const Eigen::Isometry3d& T_m_c, double min_cosine,
                   PlaneMeasurement& out) {
-  // planeResidual at q = q' = 0, written out: n(0) = e_z, D(0) = [e_x e_y], E' = -I.
+  // At q = q' = 0: n(0) = e_z, D(0) = [e_x e_y], E' = -I.
   const Eigen::Matrix3d R = T_m_c.linear();
   const Eigen::Vector3d u = R * F.R.col(2);
   if (!(u.dot(Fp.R.col(2)) > min_cosine)) return false;

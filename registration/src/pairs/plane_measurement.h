@@ -17,19 +17,8 @@ using Matrix36d = Eigen::Matrix<double, 3, 6>;
  * h = (x'.u - n'_1, y'.u - n'_2, r + m.t_F - u.(t' - t) - r'): two tilts and the distance of the model's
  * centroid from the scene's plane. (h_1, h_2) = 0 also for opposite normals: always test u.z' > 0 as well. */
 
-/** \brief Jacobians of h: H by (d phi, d t), E by q, E_model by q' (METHOD 3.2-3.3). */
-struct PlaneJacobians {
-  Matrix36d H;
-  Eigen::Matrix3d E;
-  Eigen::Matrix3d E_model;
-};
-
-/** \brief h for disturbed planes, eqs. (10), (11), (14); with Jacobians if asked for. */
-Eigen::Vector3d planeResidual(const Segment& scene, const Segment& model, const Eigen::Isometry3d& T_m_c,
-                              const Eigen::Vector3d& q, const Eigen::Vector3d& q_model,
-                              PlaneJacobians* jacobians = nullptr);
-
-/** \brief The measurement at q = q' = 0 with its noise W = E Sigma_q E^T + E' Sigma_q' E'^T. */
+/** \brief The measurement at q = q' = 0, its Jacobian H by (d phi, d t) and its noise W = E Sigma_q E^T +
+ * E' Sigma_q' E'^T, with the Jacobians E by q and E' by q' (METHOD 3.2-3.3). */
 struct PlaneMeasurement {
   Eigen::Vector3d h;
   Matrix36d H;
