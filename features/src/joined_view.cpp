@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include <cmath>
 #include <utility>
 
 namespace facetloc {

@@ -145,7 +145,34 @@ struct DepthNormalEquations {
    * \param error standard deviation of a difference of inverse depths [1/m]
    * \param gate residuals beyond this number of standard deviations have little weight */
   void add(const DepthPicture& scene, int step, const Eigen::Isometry3d& T_w_c, const DepthPicture& picture,
-           const Eigen::Isometry3d& T_w_m, const Matrix6d& uncertainty, double error, double gate);
+           const Eigen::Isometry3d& T_w_m, const Matrix6d& uncertainty, double error, double gate) {
+    const Intrinsics &from = scene.camera, &to = picture.camera;
+    constexpr int kLeast = 2 * DepthDifference::kReach + 1;  // pixels that a gradient takes
+    if (scene.empty() || picture.empty() || to.width < kLeast || to.height < kLeast) return;
+    const Eigen::Isometry3d T_m_c = T_w_m.inverse() * T_w_c;
+    Comparison c;
+    c.in_model = raysOf(from, T_m_c.linear()), c.in_world = raysOf(from, T_w_c.linear());
+    for (int i = 0; i < 3; ++i) {
+      c.t[i] = static_cast<float>(T_m_c.translation()[i]);
+      for (int j = 0; j < 3; ++j) c.to_world[i][j] = static_cast<float>(T_w_m.linear()(i, j));
+    }
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) c.uncertainty[i][j] = static_cast<float>(uncertainty(i, j));
+    c.fx = static_cast<float>(to.fx), c.fy = static_cast<float>(to.fy);
+    c.cx = static_cast<float>(to.cx), c.cy = static_cast<float>(to.cy);
+    c.error = static_cast<float>(error), c.gate = static_cast<float>(gate);
+    c.width = to.width, c.height = to.height, c.picture = picture.inverse_depth.data(), c.of_noise = of_noise;
+
+    const int first = step / 2, n = gridPoints(from.width, step);
+    Sums sums;
+    for (int v = first; v < from.height; v += step)
+      addRow(c, scene.inverse_depth.data() + static_cast<std::size_t>(v) * from.width, v, first, step, n,
+             sums);
+    addLower(sums.A, A);
+    if (of_noise) addLower(sums.noise, noise);
+    for (int k = 0; k < 6; ++k) g[k] += totalOf(sums.g[k]);
+    weight += totalOf(sums.weight);
+  }
   /** Adds those of one picture. \param of_pixel information of one pixel, by which they are weighed
    * \param gradient_variance of that picture, by which its part of the noise is weighed, too */
   void add(const DepthNormalEquations& of_picture, double of_pixel, double gradient_variance) {
@@ -155,36 +182,6 @@ struct DepthNormalEquations {
     weight += of_picture.weight;
   }
 };
-
-void DepthNormalEquations::add(const DepthPicture& scene, int step, const Eigen::Isometry3d& T_w_c,
-                               const DepthPicture& picture, const Eigen::Isometry3d& T_w_m,
-                               const Matrix6d& uncertainty, double error, double gate) {
-  const Intrinsics &from = scene.camera, &to = picture.camera;
-  constexpr int kLeast = 2 * DepthDifference::kReach + 1;  // pixels that a gradient takes
-  if (scene.empty() || picture.empty() || to.width < kLeast || to.height < kLeast) return;
-  const Eigen::Isometry3d T_m_c = T_w_m.inverse() * T_w_c;
-  Comparison c;
-  c.in_model = raysOf(from, T_m_c.linear()), c.in_world = raysOf(from, T_w_c.linear());
-  for (int i = 0; i < 3; ++i) {
-    c.t[i] = static_cast<float>(T_m_c.translation()[i]);
-    for (int j = 0; j < 3; ++j) c.to_world[i][j] = static_cast<float>(T_w_m.linear()(i, j));
-  }
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) c.uncertainty[i][j] = static_cast<float>(uncertainty(i, j));
-  c.fx = static_cast<float>(to.fx), c.fy = static_cast<float>(to.fy);
-  c.cx = static_cast<float>(to.cx), c.cy = static_cast<float>(to.cy);
-  c.error = static_cast<float>(error), c.gate = static_cast<float>(gate);
-  c.width = to.width, c.height = to.height, c.picture = picture.inverse_depth.data(), c.of_noise = of_noise;
-
-  const int first = step / 2, n = gridPoints(from.width, step);
-  Sums sums;
-  for (int v = first; v < from.height; v += step)
-    addRow(c, scene.inverse_depth.data() + static_cast<std::size_t>(v) * from.width, v, first, step, n, sums);
-  addLower(sums.A, A);
-  if (of_noise) addLower(sums.noise, noise);
-  for (int k = 0; k < 6; ++k) g[k] += totalOf(sums.g[k]);
-  weight += totalOf(sums.weight);
-}
 
 // Variance of the gradient of inverse depth that a picture's noise alone makes [1/m^2/px^2].
 double gradientVariance(const DepthPicture& picture) {
