@@ -90,10 +90,8 @@ std::vector<SureCalibration::Candidate> SureCalibration::candidates() const {
 }
 
 std::optional<double> SureCalibration::threshold() const {
-  std::optional<double> lowest;
-  for (const Candidate& c : candidates())
-    if (c.accepted) lowest = c.min_probability;
-  return lowest;
+  const std::optional<SureThreshold> found = threshold(std::string());
+  return found ? std::optional(found->min_probability) : std::nullopt;
 }
 
 std::optional<SureThreshold> SureCalibration::threshold(const std::string& source) const {
