@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <set>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -36,21 +37,17 @@ public:
   explicit Reader(const std::filesystem::path& path) : path_(path.string()) {}
 
   SceneFile read() {
-    const std::string content = files::readText(path_);
-    for (const std::string_view line : text::lines(content)) {
-      ++line_;
+    files::forEachLine(files::readText(path_), path_, [this](std::string_view line) {
       const auto entry = text::trimmed(text::withoutComment(line));
       if (!entry.empty()) store(entry);
-    }
+    });
     if (file_.scene.empty()) throw IoError(path_, "has no scene");
     checkRanges(file_.drive), checkRanges(file_.pace), checkRanges(file_.noise);
     return file_;
   }
 
 private:
-  [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(path_, fmt::format("line {}: {}", line_, cause));
-  }
+  [[noreturn]] static void fail(const std::string& cause) { throw std::invalid_argument(cause); }
 
   void store(std::string_view entry) {
     const auto sign = entry.find('=');
@@ -114,7 +111,6 @@ private:
   }
 
   std::string path_;
-  int line_ = 0;
   std::set<std::string> seen_;
   SceneFile file_;
 };

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 namespace facetloc {
@@ -22,23 +23,20 @@ public:
   explicit Parser(fs::path path) : path_(std::move(path)) {}
 
   RigFile parse(std::string_view content) {
-    for (const std::string_view line : text::lines(content)) {
-      ++line_;
+    files::forEachLine(content, path_.string(), [this](std::string_view line) {
       const std::string_view pair = text::trimmed(text::withoutComment(line));
-      if (pair.empty()) continue;
+      if (pair.empty()) return;
       const auto equals = pair.find('=');
       if (equals == std::string_view::npos) fail("expected key = value at " + text::quoted(pair));
       store(text::trimmed(pair.substr(0, equals)), text::trimmed(pair.substr(equals + 1)));
-    }
+    });
     if (rig_.cameras.size() < 2)
       throw IoError(path_.string(), "names fewer than two cameras (cameras = ...)");
     return rig_;
   }
 
 private:
-  [[noreturn]] void fail(const std::string& cause) const {
-    throw IoError(path_.string(), fmt::format("line {}: {}", line_, cause));
-  }
+  [[noreturn]] static void fail(const std::string& cause) { throw std::invalid_argument(cause); }
   void store(std::string_view key, std::string_view value) {
     if (!known_.emplace(key).second) fail(fmt::format("{} is given twice", key));
     if (key == "cameras") return storeCameras(value);
@@ -64,7 +62,6 @@ private:
   }
 
   fs::path path_;
-  int line_ = 0;
   std::set<std::string, std::less<>> known_;
   RigFile rig_;
 };
