@@ -34,6 +34,22 @@ void requireMetres(std::vector<float>& depth, const char* name) {
         fmt::format("half of {} is beyond 100 m: they are millimetres; divide them by 1000", name));
 }
 
+py::dict toDict(const Segment& segment) {
+  Eigen::MatrixXd hull(segment.hull.size, 3);
+  for (int i = 0; i < segment.hull.size; ++i) {
+    const Eigen::Vector2d at = segment.hull.vertex[static_cast<std::size_t>(i)].cast<double>();
+    hull.row(i) = (segment.t + segment.R * Eigen::Vector3d(at.x(), at.y(), 0)).transpose();
+  }
+  py::dict out;
+  out["R"] = toArray(Eigen::MatrixXd(segment.R));
+  out["t"] = py::array_t<double>(3, segment.t.data());
+  out["covariance"] = toArray(Eigen::MatrixXd(segment.Sigma_q));
+  out["num_points"] = segment.num_points;
+  out["area"] = segment.area();
+  out["hull"] = toArray(hull);
+  return out;
+}
+
 }  // namespace
 
 DepthArray::DepthArray(py::array depth, CameraPtr camera, const char* name) : camera_(std::move(camera)) {
@@ -79,8 +95,6 @@ py::array_t<double> toArray(const Eigen::Isometry3d& T) { return toArray(Eigen::
 py::object toArray(const std::optional<Eigen::Isometry3d>& T) {
   return T ? py::object(toArray(*T)) : py::none();
 }
-
-py::array_t<double> toVector(const Eigen::Vector3d& vector) { return py::array_t<double>(3, vector.data()); }
 
 Eigen::Isometry3d toPose(const py::array_t<double>& T, const char* name) {
   constexpr double kRounding = 1e-4;
@@ -134,20 +148,10 @@ py::list toList(const Findings& findings) {
   return list;
 }
 
-py::dict toDict(const Segment& segment) {
-  Eigen::MatrixXd hull(segment.hull.size, 3);
-  for (int i = 0; i < segment.hull.size; ++i) {
-    const Eigen::Vector2d at = segment.hull.vertex[static_cast<std::size_t>(i)].cast<double>();
-    hull.row(i) = (segment.t + segment.R * Eigen::Vector3d(at.x(), at.y(), 0)).transpose();
-  }
-  py::dict out;
-  out["R"] = toArray(Eigen::MatrixXd(segment.R));
-  out["t"] = toVector(segment.t);
-  out["covariance"] = toArray(Eigen::MatrixXd(segment.Sigma_q));
-  out["num_points"] = segment.num_points;
-  out["area"] = segment.area();
-  out["hull"] = toArray(hull);
-  return out;
+py::list toList(const std::vector<Segment>& segments) {
+  py::list list;
+  for (const Segment& segment : segments) list.append(toDict(segment));
+  return list;
 }
 
 py::dict toDict(const Hypothesis& h, const Map* map) {

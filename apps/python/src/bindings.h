@@ -41,6 +41,13 @@ private:
   DepthImage metres_;  // else
 };
 
+/** \brief The result of a function that runs without the lock of the interpreter. */
+template <class Function>
+auto unlocked(const Function& function) {
+  const py::gil_scoped_release others_run;
+  return function();
+}
+
 /** \brief (4, 4). */
 py::array_t<double> toArray(const Eigen::Isometry3d& T);
 py::object toArray(const std::optional<Eigen::Isometry3d>& T);
@@ -48,7 +55,6 @@ py::array_t<double> toArray(const Eigen::MatrixXd& matrix);
 /** \brief (height, width), metres or labels. */
 py::array_t<float> toArray(const DepthImage& image);
 py::array_t<std::uint16_t> toArray(const LabelImage& labels);
-py::array_t<double> toVector(const Eigen::Vector3d& vector);
 /** \brief Throws std::invalid_argument unless it is a rigid transform, (4, 4). */
 Eigen::Isometry3d toPose(const py::array_t<double>& T, const char* name);
 /** \brief A pose with a covariance, (6, 6), or, if that is empty, with these standard deviations. */
@@ -56,8 +62,8 @@ PoseWithCovariance toPose(const py::array_t<double>& T, const char* name,
                           const std::optional<py::array_t<double>>& covariance, const char* covariance_name,
                           double std_m, double std_deg);
 std::optional<Gravity> toGravity(const std::optional<py::array_t<double>>& down);
-/** \brief A segment in the frame of its camera. */
-py::dict toDict(const Segment& segment);
+/** \brief Segments in the frame of their camera, as dicts. */
+py::list toList(const std::vector<Segment>& segments);
 /** \brief \param T_w_m of the local model, by its index; may be null */
 py::dict toDict(const Hypothesis& hypothesis, const Map* map);
 

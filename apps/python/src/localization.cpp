@@ -100,21 +100,29 @@ py::dict toDict(const Localization& answer, const Map& map, const Camera& camera
   return out;
 }
 
+/** The answer to images of one moment. \param find localizes their view */
+template <class Find>
+py::dict answerOf(LockedLocalizer& self, const DepthArrays& arrays, const std::optional<Gravity>& gravity,
+                  const Find& find) {
+  const Localization answer = unlocked([&] {
+    const std::lock_guard lock(self.mutex);
+    const View view = self.viewOf(arrays, gravity);
+    Localization found = find(view);
+    found.next_look = self.localizer.nextLook(view, found);
+    return found;
+  });
+  return toDict(answer, *self.map, arrays[0].camera());
+}
+
 py::dict localize(LockedLocalizer& self, const std::vector<py::array>& depth,
                   const std::vector<CameraPtr>& cameras, const OptionalArray& gravity,
                   const OptionalArray& near, double std_m, double std_deg) {
   const DepthArrays arrays = arraysOf(depth, cameras);
   const auto down = toGravity(gravity);
   const auto guess = near ? std::optional(toPose(*near, "near", {}, "", std_m, std_deg)) : std::nullopt;
-  Localization answer;
-  {
-    const py::gil_scoped_release others_run;
-    const std::lock_guard lock(self.mutex);
-    const View view = self.viewOf(arrays, down);
-    answer = guess ? self.localizer.localize(view, *guess) : self.localizer.localize(view);
-    answer.next_look = self.localizer.nextLook(view, answer);
-  }
-  return toDict(answer, *self.map, arrays[0].camera());
+  return answerOf(self, arrays, down, [&](const View& view) {
+    return guess ? self.localizer.localize(view, *guess) : self.localizer.localize(view);
+  });
 }
 
 py::dict update(LockedLocalizer& self, const std::vector<py::array>& depth,
@@ -126,15 +134,8 @@ py::dict update(LockedLocalizer& self, const std::vector<py::array>& depth,
     throw std::invalid_argument("motion has no covariance: motion_covariance is missing");
   const auto moved =
       motion ? std::optional(toPose(*motion, "motion", covariance, "motion_covariance", 0, 0)) : std::nullopt;
-  Localization answer;
-  {
-    const py::gil_scoped_release others_run;
-    const std::lock_guard lock(self.mutex);
-    const View view = self.viewOf(arrays, down);
-    answer = self.localizer.update(view, stamp, moved);
-    answer.next_look = self.localizer.nextLook(view, answer);
-  }
-  return toDict(answer, *self.map, arrays[0].camera());
+  return answerOf(self, arrays, down,
+                  [&](const View& view) { return self.localizer.update(view, stamp, moved); });
 }
 
 void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const OptionalArray& covariance,
@@ -152,12 +153,10 @@ void setPose(LockedLocalizer& self, const py::array_t<double>& T_w_c, const Opti
 py::dict registered(const py::array& source, const py::array& target, const CameraPtr& source_camera,
                     const CameraPtr& target_camera, int width) {
   const DepthArray from(source, source_camera, "source"), to(target, target_camera, "target");
-  Localization answer;
-  {
-    const py::gil_scoped_release others_run;
+  const Localization answer = unlocked([&] {
     const PairRegistration registration(ViewBuilder(to.camera()).build(to.image(width)));
-    answer = registration.align(ViewBuilder(from.camera()).build(from.image(width)));
-  }
+    return registration.align(ViewBuilder(from.camera()).build(from.image(width)));
+  });
   py::dict out;
   py::list hypotheses;
   for (const Hypothesis& h : answer.hypotheses) hypotheses.append(python::toDict(h, nullptr));
@@ -180,10 +179,7 @@ py::dict modelOf(const Map& map, std::size_t index) {
 
 py::list segmentsOf(const Map& map, std::size_t index) {
   if (index >= map.models.size()) throw py::index_error("the map has no such local model");
-  py::list segments;
-  for (const Segment& segment : map.view(static_cast<int>(index))->segments)
-    segments.append(python::toDict(segment));
-  return segments;
+  return toList(map.view(static_cast<int>(index))->segments);
 }
 
 py::list linksOf(const Map& map) {
@@ -198,19 +194,14 @@ py::list linksOf(const Map& map) {
 void addLocalization(py::module_& module) {
   py::class_<Map, MapPtr>(module, "Map")
       .def_static(
-          "open",
-          [](const std::string& path) {
-            const py::gil_scoped_release others_run;
-            return std::make_shared<Map>(openMap(path));
-          },
-          py::arg("path"))
+          "open", [](const std::string& path) { return std::make_shared<Map>(openMap(path)); },
+          py::call_guard<py::gil_scoped_release>(), py::arg("path"))
       .def(
           "save",
           [](const Map& map, const std::string& path) {
-            const py::gil_scoped_release others_run;
             writeMap(path, map, map.camera.mounting ? placeIndexOf(map) : nullptr);
           },
-          py::arg("path"))
+          py::call_guard<py::gil_scoped_release>(), py::arg("path"))
       .def_static(
           "joined",
           [](const std::map<std::string, MapPtr>& maps) {

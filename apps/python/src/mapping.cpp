@@ -44,7 +44,10 @@ public:
   }
 
   py::dict findings() const {
-    const MapFindings found = copiedFindings();
+    const MapFindings found = unlocked([this] {
+      const std::lock_guard lock(mutex_);
+      return making_.findings();
+    });
     py::dict out;
     out["unread"] = found.unread.size();
     out["without_segments"] = found.without_segments;
@@ -55,12 +58,6 @@ public:
   }
 
 private:
-  MapFindings copiedFindings() const {
-    const py::gil_scoped_release others_run;
-    const std::lock_guard lock(mutex_);
-    return making_.findings();
-  }
-
   const CameraPtr camera_;
   const int width_;
   mutable std::mutex mutex_;  // threads of Python run beside each other where it computes
@@ -89,11 +86,8 @@ struct Drive {
 };
 
 py::dict frameOf(const Drive& drive, std::size_t index) {
-  SimulatedFrame frame;
-  {
-    const py::gil_scoped_release others_run;
-    frame = drive.camera.render(drive.world, drive.poses.at(index), index);
-  }
+  const SimulatedFrame frame =
+      unlocked([&] { return drive.camera.render(drive.world, drive.poses.at(index), index); });
   py::dict out;
   out["depth"] = toArray(frame.depth);
   out["labels"] = toArray(frame.labels);
@@ -119,12 +113,9 @@ void addMapping(py::module_& module) {
       .def("finish", &MapRun::finish)
       .def("findings", &MapRun::findings);
   py::class_<Drive>(module, "Drive")
-      .def(py::init([](const std::string& place, const std::string& run, std::uint64_t seed, int frames,
-                       int width) {
-             const py::gil_scoped_release others_run;
-             return Drive(place, run, seed, frames, width);
-           }),
-           py::arg("place"), py::arg("run"), py::arg("seed"), py::arg("frames"), py::arg("width"))
+      .def(py::init<const std::string&, const std::string&, std::uint64_t, int, int>(),
+           py::call_guard<py::gil_scoped_release>(), py::arg("place"), py::arg("run"), py::arg("seed"),
+           py::arg("frames"), py::arg("width"))
       .def("__len__", [](const Drive& drive) { return drive.poses.size(); })
       .def("frame", &frameOf, py::arg("index"))
       .def_property_readonly("camera", &cameraOf);

@@ -70,17 +70,12 @@ CameraPtr pinhole(const CameraFile& stored) {
 /** Labels and segments. */
 py::tuple segmented(const py::array& depth, const CameraPtr& camera, int width) {
   const DepthArray array(depth, camera);
-  View view;
-  LabelImage labels;
-  {
-    const py::gil_scoped_release others_run;
+  const auto [view, labels] = unlocked([&] {
     ViewBuilder builder(array.camera());
-    view = builder.build(array.image(width));
-    labels = builder.segmentation().labels;
-  }
-  py::list segments;
-  for (const Segment& segment : view.segments) segments.append(python::toDict(segment));
-  return py::make_tuple(toArray(labels), segments);
+    View built = builder.build(array.image(width));
+    return std::pair(std::move(built), builder.segmentation().labels);
+  });
+  return py::make_tuple(toArray(labels), toList(view.segments));
 }
 
 py::object truth(const DepthSequence& sequence, std::size_t index) {
@@ -88,26 +83,19 @@ py::object truth(const DepthSequence& sequence, std::size_t index) {
 }
 
 py::array_t<float> depthOf(const DepthSequence& sequence, std::size_t index, int width) {
-  DepthImage image;
-  {
-    const py::gil_scoped_release others_run;
-    image = sequence.load(index, width);
-  }
-  return toArray(image);
+  return toArray(unlocked([&] { return sequence.load(index, width); }));
 }
 
 /** As facetloc_check lists them. */
 py::list findingsOf(const DepthSequence& sequence) {
-  Findings found;
-  {
-    const py::gil_scoped_release others_run;
-    found = readingFindings(sequence);
+  return toList(unlocked([&] {
+    Findings found = readingFindings(sequence);
     MapMaking making(sequence.camera() ? sequence.camera()->camera : Camera());
     addImages(sequence, sequence.groundTruth(), {}, making);
     checkRun(sequence, found, making);
     append(making.findings().list(), found);
-  }
-  return toList(found);
+    return found;
+  }));
 }
 
 }  // namespace
@@ -140,22 +128,6 @@ depth_scale, the value of a pixel per metre, is 1000 unless given. Cameras do no
           "Names of the presets.")
       .def_property_readonly("keys", &dictOf,
                              "Its keys and values: Camera(**camera.keys) is the same camera.")
-      .def_property_readonly(
-          "width", [](const CameraFile& c) { return c.camera.intrinsics.width; },
-          "Columns of its images [px].")
-      .def_property_readonly(
-          "height", [](const CameraFile& c) { return c.camera.intrinsics.height; },
-          "Rows of its images [px].")
-      .def_property_readonly(
-          "fx", [](const CameraFile& c) { return c.camera.intrinsics.fx; }, "Focal length along x [px].")
-      .def_property_readonly(
-          "fy", [](const CameraFile& c) { return c.camera.intrinsics.fy; }, "Focal length along y [px].")
-      .def_property_readonly(
-          "cx", [](const CameraFile& c) { return c.camera.intrinsics.cx; },
-          "Optical centre [px]; pixel centres are at whole coordinates.")
-      .def_property_readonly(
-          "cy", [](const CameraFile& c) { return c.camera.intrinsics.cy; },
-          "Optical centre [px]; pixel centres are at whole coordinates.")
       .def_readonly("depth_scale", &CameraFile::depth_scale, "Value of a pixel of whole numbers per metre.")
       .def_property_readonly(
           "T_b_c",
@@ -173,6 +145,16 @@ depth_scale, the value of a pixel per metre, is 1000 unless given. Cameras do no
       .def("__deepcopy__", [](const CameraPtr& c, const py::dict&) { return c; })
       .def(py::pickle([](const CameraFile& c) { return dictOf(c); },
                       [](const py::dict& keys) { return cameraOf({}, py::kwargs(keys)); }));
+  const auto add = [&type](const char* name, auto Intrinsics::*number, const char* what) {
+    type.def_property_readonly(
+        name, [number](const CameraFile& c) { return c.camera.intrinsics.*number; }, what);
+  };
+  add("width", &Intrinsics::width, "Columns of its images [px].");
+  add("height", &Intrinsics::height, "Rows of its images [px].");
+  add("fx", &Intrinsics::fx, "Focal length along x [px].");
+  add("fy", &Intrinsics::fy, "Focal length along y [px].");
+  add("cx", &Intrinsics::cx, "Optical centre [px]; pixel centres are at whole coordinates.");
+  add("cy", &Intrinsics::cy, "Optical centre [px]; pixel centres are at whole coordinates.");
   type.attr("__module__") = "facetloc";
   module.def("segment", &segmented, py::arg("depth"), py::arg("camera"), py::arg("width"));
 
