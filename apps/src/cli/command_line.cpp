@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "cli/app.h"
-#include "cli/given_inputs.h"
 #include "cli/spelling.h"
 
 #include <facetloc/io/atomic_file.h>
+#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
+#include <facetloc/io/results.h>
 
 #include <boost/program_options.hpp>
 
 #include <cctype>
+#include <filesystem>
 #include <fmt/format.h>
 #include <set>
 #include <sstream>
@@ -43,6 +45,32 @@ bool isTruthValue(const std::string& text) {
 bool asksForOption(const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' &&
          !text::to<double>(argument.substr(0, argument.find(',')));
+}
+
+/** Is it a map, by its name? */
+bool isMap(const std::string& path) { return text::lowerExtension(path) == ".flmap"; }
+
+/** Is a path not of the kind of its word in the usage: MAP.flmap, RECORDING, RESULTS, ...? Cheap, and without
+ * doubt: else the tool itself finds out. */
+bool isMisplaced(const std::string& word, const std::string& path) {
+  std::error_code ignored;
+  if (isMap(word)) return std::filesystem::is_directory(path, ignored);
+  if (word == "INPUT") return false;  // any kind
+  return isMap(path) || (word == "GROUNDTRUTH" && isResultsFolder(path));
+}
+
+/** Kind of a misplaced input. */
+std::string kindOf(const std::string& path) {
+  if (isMap(path)) return "a map";
+  if (isResultsFolder(path)) return "a folder of results";
+  try {
+    RecordingHints hints;
+    hints.segments = true;
+    DepthSequence::open(path, hints);
+    return "a recording";
+  } catch (const std::exception&) {
+    return "a folder";
+  }
 }
 
 std::string wrapped(const std::string& paragraph) {
@@ -227,10 +255,10 @@ void CommandLine::assign(const std::vector<std::string>& unnamed) const {
 
 /** Throws UsageError if an argument is at the place of another, such as a recording where a map belongs. */
 void CommandLine::requireKinds() const {
-  std::vector<GivenInput> inputs;
-  const auto add = [&inputs](const std::string& word, const std::vector<std::string>& paths) {
+  std::vector<std::string> facts;  // "walk is a recording", "walk.flmap is a map", ...
+  const auto add = [&facts](const std::string& word, const std::vector<std::string>& paths) {
     for (const std::string& path : paths)
-      if (!path.empty()) inputs.push_back({word, path});
+      if (!path.empty() && isMisplaced(word, path)) facts.push_back(path + " is " + kindOf(path));
   };
   for (const Argument& argument : arguments_)
     add(argument.word, argument.values ? *argument.values : std::vector<std::string>{*argument.value});
@@ -241,7 +269,7 @@ void CommandLine::requireKinds() const {
     if (const auto* path = boost::any_cast<std::string>(&value)) add(word, {*path});
     if (const auto* paths = boost::any_cast<std::vector<std::string>>(&value)) add(word, *paths);
   }
-  if (const std::vector<std::string> facts = misplacedInputs(inputs); !facts.empty())
+  if (!facts.empty())
     throw UsageError(fmt::format("{}; {} {}", fmt::join(facts, " and "),
                                  facts.size() > 1 ? "the order is" : "expected", synopsis_));
 }

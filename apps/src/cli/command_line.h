@@ -48,7 +48,7 @@ public:
   CommandLine(std::string tool, std::string synopsis, std::string about);
   ~CommandLine();
 
-  /** \brief An argument without a name, of the kind of its word in the usage (given_inputs.h). Optional ones
+  /** \brief An argument without a name, of the kind of its word in the usage. Optional ones
    * come last. */
   void addArgument(const std::string& word, std::string& value, bool required = true);
   /** \brief At least one argument, and all that the others leave. */

@@ -2,7 +2,6 @@
 #include "inputs/rig_input.h"
 
 #include "base/text.h"
-#include "cli/text.h"
 
 #include <facetloc/io/error.h>
 

@@ -7,7 +7,6 @@
 #include <facetloc/registration/pose_prior.h>
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

@@ -5,7 +5,6 @@
 #include "cli/findings_file.h"
 
 #include <fmt/core.h>
-#include <map>
 #include <mutex>
 #include <string>
 #include <utility>

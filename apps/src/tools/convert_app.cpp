@@ -4,7 +4,6 @@
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "inputs/depth_input.h"
-#include "outputs/provenance.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>

@@ -6,7 +6,6 @@
 #include "drawing/map_page.h"
 #include "inputs/depth_input.h"
 #include "outputs/map_completion.h"
-#include "outputs/provenance.h"
 #include "tools/image_trajectory.h"
 
 #include <facetloc/features/map_parts.h>

@@ -2,7 +2,6 @@
 #include "base/text.h"
 #include "batch/batch.h"
 #include "batch/map_watch.h"
-#include "cli/given_inputs.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "drawing/map_page.h"
@@ -16,7 +15,6 @@
 #include "outputs/provenance.h"
 
 #include <facetloc/features/map_parts.h>
-#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/occupancy_grid_file.h>
@@ -355,17 +353,18 @@ private:
     if (most_ < 1) throw UsageError("most must be positive");
     if (!fs::exists(input_)) throw IoError(input_, "does not exist");
     const bool is_page = text::lowerExtension(output_) == ".html";
+    const bool is_map = text::lowerExtension(input_) == ".flmap";
     if (is_page && !overwrite_) requireReplaceable(output_);
-    if (self_ && !(is_page && isMap(input_))) throw UsageError("--self goes with the page of a map");
+    if (self_ && !(is_page && is_map)) throw UsageError("--self goes with the page of a map");
     if (is_page) {
-      if (isMap(input_)) return renderMapPage(console);
+      if (is_map) return renderMapPage(console);
       if (!isResultsFolder(input_))
         throw UsageError("pages are of maps and of results: " + input_ + " is neither");
       return renderAnswerPage(line, console);
     }
     const OffscreenDisplay display;
     if (!display.available()) throw std::runtime_error("nothing can be drawn: " + display.problem());
-    if (isMap(input_)) return renderMap(console);
+    if (is_map) return renderMap(console);
     if (!isResultsFolder(input_)) return renderImages(line, console);
     return text::lowerExtension(output_) == ".png" ? renderBeliefs(console) : renderFailures(line, console);
   }

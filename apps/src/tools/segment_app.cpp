@@ -11,7 +11,6 @@
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/segment_file.h>
 
 #include <algorithm>
