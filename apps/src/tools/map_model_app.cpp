@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "batch/map_watch.h"
 #include "cli/text.h"
 #include "cli/tools.h"
+#include "drawing/offscreen_display.h"
 #include "drawing/plan_view.h"
 #include "outputs/map_completion.h"
-#include "tools/drawn_map.h"
+#include "outputs/output_folder.h"
 #include "tools/model_axes.h"
 
 #include <facetloc/features/camera_presets.h>
@@ -17,14 +19,20 @@
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
+#include <spawn.h>
 #include <stdexcept>
 #include <string>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <utility>
 #include <vector>
+
+extern char** environ;
 
 namespace facetloc {
 namespace {
@@ -37,6 +45,46 @@ std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& c
   console.note(remark);
   if (poses.empty()) throw IoError(path, "has no poses");
   return poses;
+}
+
+/** A tool beside this program, or else of the PATH; nothing if it is not installed. */
+std::optional<fs::path> findTool(const std::string& name) {
+  std::error_code ignored;
+  std::vector<fs::path> folders = {fs::read_symlink("/proc/self/exe", ignored).parent_path()};
+  if (const char* path = std::getenv("PATH"))
+    for (const std::string_view folder : text::split(path, ':')) folders.emplace_back(folder);
+  for (const fs::path& folder : folders)
+    if (!folder.empty() && access((folder / name).c_str(), X_OK) == 0) return folder / name;
+  return {};
+}
+
+/** Runs a program to its end, with the same output streams. \return its exit code; 127 if it cannot be run,
+ * or was killed */
+int runProgram(const fs::path& program, const std::vector<std::string>& arguments) {
+  constexpr int kCannotRun = 127;  // as shells say
+  std::vector<std::string> copies = {program.filename().string()};
+  copies.insert(copies.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& copy : copies) argv.push_back(copy.data());
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  int status = 0;
+  if (posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ) != 0) return kCannotRun;
+  if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return kCannotRun;
+  return WEXITSTATUS(status);
+}
+
+/** facetloc_render, which draws the picture, as only that tool needs VTK. Throws UsageError for a file that
+ * is no picture, IoError if the tool is not installed. */
+fs::path rendererOf(const fs::path& picture) {
+  requireReplaceable(picture);
+  if (!FACETLOC_WITH_VTK) throw IoError(picture.string(), std::string("cannot be drawn: ") + kWithoutVtk);
+  const auto renderer = findTool("facetloc_render");
+  if (!renderer)
+    throw IoError(
+        picture.string(),
+        "cannot be drawn: facetloc_render is not installed, which is in the package facetloc-tools-gui");
+  return *renderer;
 }
 
 /** facetloc_map from-model: a scan or mesh of a building -> a map. */
@@ -262,12 +310,18 @@ private:
     return map;
   }
 
+  void drawPlan(const fs::path& renderer) const {
+    std::vector<std::string> arguments = {map_, "-o", plan_, "--quiet"};
+    if (isFloorPlan()) arguments.insert(arguments.end(), {"--grid", model_});
+    if (runProgram(renderer, arguments) != 0)
+      throw IoError(plan_, "is not drawn by " + renderer.string() + "; the map is in " + map_);
+  }
+
   int execute(const CommandLine& line, const Console& console) override {
     is_unit_named_ = line.given("units");
-    std::optional<DrawnMap> plan;
-    if (!plan_.empty()) plan.emplace(plan_);
+    const fs::path renderer = plan_.empty() ? fs::path() : rendererOf(plan_);
     const Map map = writeNewMap(map_, overwrite_, threads(), console, [&] { return make(console); });
-    if (plan) plan->draw(map_, isFloorPlan() ? model_ : "");
+    if (!plan_.empty()) drawPlan(renderer);
     console.out << counted(map.models.size(), "local model") << "; map in " << map_ << "\n";
     return kOk;
   }
