@@ -39,19 +39,16 @@ ItemFailure Batch::failureOf(const Name& name, std::size_t index, const std::fun
 Batch::Batch(int threads, std::size_t total, const Console& console)
     : workers_(workersFor(threads, total)), total_(total), console_(console), progress_(console, total) {}
 
-std::vector<bool> Batch::run(const Name& name, const Job& job) {
+void Batch::run(const Name& name, const Job& job) {
   std::vector<ItemFailure> ended(total_);
   OrderedJobs jobs(
       workers_, ended.size(), ended.size(),
       [&](std::size_t i, int worker) { ended[i] = failureOf(name, i, [&] { job(i, worker); }); }, stop_);
-  std::vector<bool> done;
-  for (const ItemFailure& failure : ended) {
-    if (!jobs.next()) throw Stopped(done.size(), total_);
+  for (std::size_t i = 0; i < total_; ++i) {
+    if (!jobs.next()) throw Stopped(i, total_);
     progress_.step();
-    done.push_back(failure.message.empty());
-    if (!failure.message.empty()) failures_.push_back(failure.message);
+    if (!ended[i].message.empty()) failures_.push_back(ended[i].message);
   }
-  return done;
 }
 
 int Batch::report() const { return report(failures_, total_, console_); }

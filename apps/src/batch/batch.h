@@ -40,10 +40,9 @@ public:
 
   using Job = std::function<void(std::size_t index, int worker)>;
   using Name = std::function<std::string(std::size_t index)>;
-  /** \brief Calls job for each item, once. \param name of an item, for messages. \return for each item
-   * whether its job came through. Throws WriteError of a job, and Stopped at the first Ctrl-C or SIGTERM,
-   * once the items that were begun are done. */
-  std::vector<bool> run(const Name& name, const Job& job);
+  /** \brief Calls job for each item, once. \param name of an item, for messages. Throws WriteError of a job,
+   * and Stopped at the first Ctrl-C or SIGTERM, once the items that were begun are done. */
+  void run(const Name& name, const Job& job);
 
   /** \brief Name and cause of each item that failed so far, in the order of the items. */
   const std::vector<std::string>& failures() const { return failures_; }
