@@ -6,19 +6,10 @@
 namespace facetloc::test {
 namespace {
 
-TEST(Spelling, DistanceCountsTypingErrors) {
-  EXPECT_EQ(spellingDistance("", ""), 0u);
-  EXPECT_EQ(spellingDistance("map", ""), 3u);
-  EXPECT_EQ(spellingDistance("map", "map"), 0u);
-  EXPECT_EQ(spellingDistance("map", "maps"), 1u);
-  EXPECT_EQ(spellingDistance("mpa", "map"), 1u) << "swapped";
-  EXPECT_EQ(spellingDistance("kitten", "sitting"), 3u);
-  EXPECT_EQ(spellingDistance("sitting", "kitten"), 3u);
-}
-
 TEST(Spelling, TheNearestWordIsNamedIfOneIsNear) {
   const std::vector<std::string> known = {"device", "map", "every-frame", "ekf.iterations"};
-  EXPECT_EQ(nearestWord("devcie", known), "device");
+  EXPECT_EQ(nearestWord("devcie", known), "device") << "swapped";
+  EXPECT_EQ(nearestWord("devic", known), "device");
   EXPECT_EQ(nearestWord("every_frames", known), "every-frame");
   EXPECT_EQ(nearestWord("iterations", known), "ekf.iterations");
   EXPECT_EQ(nearestWord("iteratoins", known), "ekf.iterations");

@@ -9,19 +9,8 @@ namespace {
 
 constexpr std::size_t kCharactersPerError = 3;
 
-std::size_t distanceOf(const std::string& word, const std::string& known) {
-  const std::size_t whole = spellingDistance(word, known);
-  const auto dot = known.rfind('.');
-  return dot == std::string::npos ? whole : std::min(whole, spellingDistance(word, known.substr(dot + 1)));
-}
-
-}  // namespace
-
-std::string underscored(std::string name) {
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
+/** Number of characters to insert, remove, replace, or swap with their neighbour, to make one word of the
+ * other. */
 std::size_t spellingDistance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i)
@@ -35,6 +24,19 @@ std::size_t spellingDistance(const std::string& a, const std::string& b) {
         d[i][k] = std::min(d[i][k], d[i - 2][k - 2] + 1);
     }
   return d[a.size()][b.size()];
+}
+
+std::size_t distanceOf(const std::string& word, const std::string& known) {
+  const std::size_t whole = spellingDistance(word, known);
+  const auto dot = known.rfind('.');
+  return dot == std::string::npos ? whole : std::min(whole, spellingDistance(word, known.substr(dot + 1)));
+}
+
+}  // namespace
+
+std::string underscored(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
 }
 
 std::string nearestWord(const std::string& word, const std::vector<std::string>& known) {

@@ -8,9 +8,6 @@ namespace facetloc {
 
 /** \brief - and _ are the same in names. */
 std::string underscored(std::string name);
-/** \brief Number of characters to insert, remove, replace, or swap with their neighbour, to make one word of
- * the other. */
-std::size_t spellingDistance(const std::string& a, const std::string& b);
 
 /** \brief The known word that was probably meant, written as it is known; empty if none is near: a third of
  * the characters may be wrong. Of a word in groups, such as ekf.iterations, the last part alone may be meant.
