@@ -50,7 +50,7 @@ std::vector<SideRecording> openSides(const RigFile& rig, const Camera& first, co
     Camera camera = input.camera(sequence.camera(), line);
     requireMounting(folder, camera);
     const PoseWithCovariance T_first_c = rig.between(*first.mounting, *camera.mounting);
-    sides.push_back({folder.filename().string(), std::move(sequence), std::move(camera), T_first_c});
+    sides.push_back({std::move(sequence), std::move(camera), T_first_c});
   }
   return sides;
 }

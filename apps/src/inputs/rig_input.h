@@ -15,7 +15,6 @@ namespace facetloc {
 
 /** \brief The recording of another camera beside the first one of a rig. */
 struct SideRecording {
-  std::string name;  ///< the name of its folder
   DepthSequence sequence;
   Camera camera;
   PoseWithCovariance T_first_c;

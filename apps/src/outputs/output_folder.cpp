@@ -33,6 +33,13 @@ std::vector<fs::path> visibleFiles(const fs::path& folder) {
   return files;
 }
 
+/** Is a file a picture, as one that the tools draw may be? A PNG of 16 bits is a depth image or labels. */
+bool isPicture(const fs::path& path) {
+  constexpr int kPictureBits = 8;
+  const auto size = pngSize(path);
+  return size && size->bits == kPictureBits;
+}
+
 /** Is it a page that was written for a browser (pages/)? */
 bool isPage(const fs::path& path) {
   std::array<char, 1000> head{};
@@ -76,12 +83,6 @@ void claimPictureFolder(const fs::path& folder, bool overwrite) {
   if (overwrite) return;
   for (const fs::path& file : visibleFiles(folder))
     if (!isPicture(file)) refuse(folder, file);
-}
-
-bool isPicture(const fs::path& path) {
-  constexpr int kPictureBits = 8;
-  const auto size = pngSize(path);
-  return size && size->bits == kPictureBits;
 }
 
 void requireReplaceable(const fs::path& path) {

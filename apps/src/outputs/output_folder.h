@@ -30,9 +30,6 @@ void claimFolder(const std::filesystem::path& folder, const std::vector<std::str
 /** \brief The same for a folder of pictures, which may hold other pictures only. */
 void claimPictureFolder(const std::filesystem::path& folder, bool overwrite);
 
-/** \brief Is a file a picture, as one that the tools draw may be? A PNG of 16 bits is a depth image or
- * labels. */
-bool isPicture(const std::filesystem::path& path);
 /** \brief Throws UsageError if a file is there already, unless it is a picture, or a page of the tools. */
 void requireReplaceable(const std::filesystem::path& path);
 
