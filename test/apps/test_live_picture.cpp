@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/matched_segments.h"
 #include "drawing/offscreen_display.h"
-#include "drawing/vtk_picture.h"
+#include "drawing/page.h"
 #include "example_scene.h"
 #include "golden.h"
 #include "live/live_picture.h"

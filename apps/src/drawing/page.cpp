@@ -2,7 +2,6 @@
 #include "drawing/page.h"
 
 #include "drawing/depth_drawing.h"
-#include "drawing/vtk_picture.h"
 
 #include <vtkBrush.h>
 #include <vtkContext2D.h>
@@ -14,7 +13,9 @@
 #include <vtkPen.h>
 #include <vtkStdString.h>
 #include <vtkTextRenderer.h>
+#include <vtkWindowToImageFilter.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -62,6 +63,42 @@ double textWidth(const std::string& text, const TextStyle& style) {
   std::array<int, 4> box = {};
   vtkTextRenderer::GetInstance()->GetBoundingBox(property, vtkStdString(text), box.data(), kDotsPerInch);
   return static_cast<double>(box[1] - box[0] + 1) / Page::kFiner;
+}
+
+vtkNew<vtkImageData> toImage(const Raster<std::uint8_t>& rgb) {
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(rgb.width, rgb.height, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  const std::size_t row = 3 * static_cast<std::size_t>(rgb.width);
+  for (int v = 0; v < rgb.height; ++v)
+    std::copy_n(&rgb.data[row * v], row,
+                static_cast<std::uint8_t*>(image->GetScalarPointer(0, rgb.height - 1 - v, 0)));
+  return image;
+}
+
+void setOffscreen(vtkRenderWindow* window, int width, int height) {
+  window->SetOffScreenRendering(1);
+  window->SetMultiSamples(0);  // the same picture on every machine
+  window->SetSize(width, height);
+}
+
+Raster<std::uint8_t> grabbed(vtkRenderWindow* window) {
+  vtkNew<vtkWindowToImageFilter> filter;
+  filter->SetInput(window);
+  filter->SetInputBufferTypeToRGB();
+  filter->ReadFrontBufferOff();
+  filter->ShouldRerenderOff();
+  filter->Update();
+  vtkImageData* image = filter->GetOutput();
+  Raster<std::uint8_t> picture{image->GetDimensions()[0], image->GetDimensions()[1], 3, {}};
+  const std::size_t row = 3 * static_cast<std::size_t>(picture.width);
+  picture.data.resize(row * picture.height);
+  for (int v = 0; v < picture.height; ++v) {  // VTK's first row is the lowest
+    const auto* from =
+        static_cast<const std::uint8_t*>(image->GetScalarPointer(0, picture.height - 1 - v, 0));
+    std::copy(from, from + row, picture.data.begin() + static_cast<std::ptrdiff_t>(row * v));
+  }
+  return picture;
 }
 
 /** All that is drawn in two dimensions, in its order. */

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+class vtkImageData;
+
 namespace facetloc {
 
 struct Pen {
@@ -38,6 +40,14 @@ void apply(const TextStyle& style, int scale, vtkTextProperty* property);
 
 /** \brief Width of a text [px]. */
 double textWidth(const std::string& text, const TextStyle& style);
+
+/** \brief A picture, RGB, as VTK has it: its first row is the lowest. */
+vtkNew<vtkImageData> toImage(const Raster<std::uint8_t>& rgb);
+
+/** \brief Makes a window invisible, and its rendering the same everywhere. [px] */
+void setOffscreen(vtkRenderWindow* window, int width, int height);
+/** \brief The content of a window that is rendered, RGB. */
+Raster<std::uint8_t> grabbed(vtkRenderWindow* window);
 
 /** \brief A white page of lines, text, pictures and 3D scenes, x to the right and y down [px].
  *

@@ -5,7 +5,6 @@
 #include "cli/text.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/page.h"
-#include "drawing/vtk_picture.h"
 #include "live/live_cloud.h"
 #include "live/live_plan.h"
 #include "live/live_status.h"
