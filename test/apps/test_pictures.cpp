@@ -201,10 +201,7 @@ TEST_F(Pictures, FloorMapIsGolden) {
   expectLikeGolden("floor_map", written());
 }
 
-TEST_F(Pictures, MatchesAreGolden) {
-  drawMatches(path_, query_, map_, answers());
-  expectLikeGolden("matches", written());
-}
+TEST_F(Pictures, MatchesAreGolden) { expectLikeGolden("matches", matchesPicture(query_, map_, answers())); }
 
 TEST_F(Pictures, BeliefsAreGolden) {
   const auto placeAt = [](double x, double probability, double std) {
@@ -271,7 +268,7 @@ TEST_F(Pictures, AreTheSameEachTime) {
   };
   EXPECT_TRUE(twice([&](const auto& path) { drawSegmentation(path, query_); }));
   EXPECT_TRUE(twice([&](const auto& path) { drawFloorMap(path, map_, runs(), marks()); }));
-  EXPECT_TRUE(twice([&](const auto& path) { drawMatches(path, query_, map_, answers()); }));
+  EXPECT_TRUE(twice([&](const auto& path) { writePng(path, matchesPicture(query_, map_, answers())); }));
 }
 
 TEST_F(Pictures, AViewWithoutSegmentsIsDrawn) {
@@ -282,20 +279,17 @@ TEST_F(Pictures, AViewWithoutSegmentsIsDrawn) {
   empty.view.intrinsics = empty.depth.camera;
   drawSegmentation(path_, empty);
   EXPECT_GT(written().width, 0);
-  drawMatches(path_, empty, map_, answers());
-  EXPECT_GT(written().width, 0);
-  drawMatches(path_, empty, map_, {});
-  EXPECT_GT(written().width, 0);
+  EXPECT_GT(matchesPicture(empty, map_, answers()).width, 0);
+  EXPECT_GT(matchesPicture(empty, map_, {}).width, 0);
 }
 
 TEST_F(Pictures, AModelWithoutDepthIsDrawn) {
   Map map = map_;
-  drawMatches(path_, query_, map, answers());
-  const Raster<std::uint8_t> with_depth = written();
+  const Raster<std::uint8_t> with_depth = matchesPicture(query_, map, answers());
   changeView(map, 1, [](View& view) { view.depth = {}; });
-  drawMatches(path_, query_, map, answers());
-  EXPECT_EQ(written().width, with_depth.width);
-  EXPECT_GT(strangePixels(with_depth, written()), 100);  // its segments stand before an empty ground
+  const Raster<std::uint8_t> without = matchesPicture(query_, map, answers());
+  EXPECT_EQ(without.width, with_depth.width);
+  EXPECT_GT(strangePixels(with_depth, without), 100);  // its segments stand before an empty ground
 }
 
 TEST_F(Pictures, AMapNeedsPoses) {
@@ -312,7 +306,7 @@ TEST_F(Pictures, AnImageNeedsPixels) {
   image.labels = {};
   EXPECT_THROW(drawSegmentation(path_, image), std::invalid_argument);
   EXPECT_THROW(drawSegmentation(path_, SeenImage()), std::invalid_argument);
-  EXPECT_THROW(drawMatches(path_, SeenImage(), map_, answers()), std::invalid_argument);
+  EXPECT_THROW(matchesPicture(SeenImage(), map_, answers()), std::invalid_argument);
 }
 
 TEST_F(Pictures, AFileThatCannotBeWrittenIsAnError) {

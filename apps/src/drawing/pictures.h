@@ -103,9 +103,6 @@ struct DrawnMatch {
 };
 /** \brief A query beside the local models it was matched to, one answer per row, matched segments in the same
  * colour; a failure shows rank 1 and the answer that would be right. */
-void drawMatches(const std::filesystem::path& path, const SeenImage& query, const Map& map,
-                 const std::vector<DrawnMatch>& answers);
-/** \brief The picture that drawMatches() writes. */
 Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,
                                     const std::vector<DrawnMatch>& answers);
 

@@ -24,9 +24,6 @@ void drawFloorMap(const std::filesystem::path&, const Map&, const std::vector<Dr
 }
 void drawRuns(const std::filesystem::path&, const PlanView&, const std::vector<DrawnRun>&) { refuse(); }
 void drawBeliefs(const std::filesystem::path&, const Map&, const std::vector<DrawnBelief>&) { refuse(); }
-void drawMatches(const std::filesystem::path&, const SeenImage&, const Map&, const std::vector<DrawnMatch>&) {
-  refuse();
-}
 Raster<std::uint8_t> matchesPicture(const SeenImage&, const Map&, const std::vector<DrawnMatch>&) {
   refuse();
 }

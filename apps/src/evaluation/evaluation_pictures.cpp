@@ -287,7 +287,7 @@ std::vector<ReportPicture> drawMisses(const fs::path& folder, const std::vector<
     const std::string run = failure.run.empty() ? "" : failure.run + "_";
     const fs::path path = folder / fmt::format("{}{}{}.png", kMissPrefix, run, failure.frame);
     try {
-      drawMatches(path, images.seen(failure.run, failure.frame), map, failure.answers);
+      writePng(path, matchesPicture(images.seen(failure.run, failure.frame), map, failure.answers));
       pictures.push_back({path, fmt::format("{}{}: {}", run, failure.frame, failure.what)});
     } catch (const std::exception& e) {
       console.note(fmt::format("a picture of {} is missing: {}", failure.frame, e.what()));

@@ -221,9 +221,9 @@ private:
                     sequence.ofSegments() ? seeSegments(file.name, viewOf(sequence, i, depth_.width, builder))
                                           : see(file.name, sequence.load(i, depth_.width), builder);
                 if (localizer)
-                  drawMatches(pathOf(i), image, *map,
-                              answersTo(image, *localizer, *map, max_hypotheses_,
-                                        sequence.groundTruth().at(file.stamp)));
+                  writePng(pathOf(i), matchesPicture(image, *map,
+                                                     answersTo(image, *localizer, *map, max_hypotheses_,
+                                                               sequence.groundTruth().at(file.stamp))));
                 else
                   drawSegmentation(pathOf(i), image);
               });
