@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/depth_drawing.h"
 
+#include "drawing/pictures.h"
+
 #include <facetloc/registration/calibration.h>
 
 #include <algorithm>
@@ -8,8 +10,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fmt/format.h>
 #include <jpeglib.h>  // which needs <cstdio>
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
 namespace facetloc {
 
@@ -36,44 +41,35 @@ void mixInto(std::uint8_t* pixel, const Colour& colour) {
         static_cast<std::uint8_t>((pixel[i] * (255 - colour.alpha) + rgb[i] * colour.alpha + 127) / 255);
 }
 
-/** How well segments explain the pixels of a depth picture. */
-class SegmentsInPicture {
-public:
-  SegmentsInPicture(const View& view, const DepthImage& depth) : view_(view), depth_(depth) {}
+/** How far a segment of a view is from explaining a pixel; infinite if the pixel cannot be of the segment.
+ * \param z depth of the pixel [m], 0 = unknown. */
+double misfitOf(const Segment& segment, const DepthPicture& picture, const Eigen::Vector3d& ray, float z) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double predicted = segment.normal().dot(ray) / segment.offset();  // inverse depth [1/m]
+  if (!(predicted > 0)) return kNever;
+  const Eigen::Vector3d in_plane = segment.R.transpose() * (ray / predicted - segment.t);
+  if (!segment.hull.contains(in_plane.head<2>().cast<float>())) return kNever;
+  if (picture.empty()) return 1 / predicted;
+  if (!(z > 0)) return kNever;
+  const double error = std::abs(1 / z - predicted);
+  const DepthCalibration p;
+  const double noise = picture.noise.ofInverseDepth(1 / predicted);
+  const double tolerance = p.gate * (p.absolute_error * noise + p.relative_error * predicted);
+  return error <= tolerance ? error : kNever;
+}
 
-  std::uint16_t label(int u, int v) const {
-    std::uint16_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    const Eigen::Vector3d ray = depth_.camera.ray(u, v);
-    for (std::size_t k = 0; k < view_.segments.size(); ++k) {
-      const double misfit = misfitOf(view_.segments[k], ray, depth_.at(u, v));
-      if (misfit >= least) continue;
-      least = misfit;
-      best = static_cast<std::uint16_t>(k + 1);
-    }
-    return best;
+/** The label of the segment that explains a pixel best; 0 if none does. */
+std::uint16_t labelOf(const View& view, const Eigen::Vector3d& ray, float z) {
+  std::uint16_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < view.segments.size(); ++k) {
+    const double misfit = misfitOf(view.segments[k], view.depth, ray, z);
+    if (misfit >= least) continue;
+    least = misfit;
+    best = static_cast<std::uint16_t>(k + 1);
   }
-
-private:
-  /** Infinite if the pixel cannot be of the segment. \param z its depth [m], 0 = unknown. */
-  double misfitOf(const Segment& segment, const Eigen::Vector3d& ray, float z) const {
-    constexpr double kNever = std::numeric_limits<double>::infinity();
-    const double predicted = segment.normal().dot(ray) / segment.offset();  // inverse depth [1/m]
-    if (!(predicted > 0)) return kNever;
-    const Eigen::Vector3d in_plane = segment.R.transpose() * (ray / predicted - segment.t);
-    if (!segment.hull.contains(in_plane.head<2>().cast<float>())) return kNever;
-    if (view_.depth.empty()) return 1 / predicted;
-    if (!(z > 0)) return kNever;
-    const double error = std::abs(1 / z - predicted);
-    const DepthCalibration p;
-    const double noise = view_.depth.noise.ofInverseDepth(1 / predicted);
-    const double tolerance = p.gate * (p.absolute_error * noise + p.relative_error * predicted);
-    return error <= tolerance ? error : kNever;
-  }
-
-  const View& view_;
-  const DepthImage& depth_;
-};
+  return best;
+}
 
 /** The cosine between the ray of a pixel and the normal of the surface there, by a plane in inverse depth
  * through the pixels around; 0 if it is not known. */
@@ -211,12 +207,37 @@ DepthImage depthOf(const View& view) {
 
 LabelImage seenSegments(const View& view) {
   const DepthImage depth = depthOf(view);
-  const SegmentsInPicture segments(view, depth);
   LabelImage labels{depth.camera.width, depth.camera.height, {}};
   labels.label.reserve(depth.depth.size());
   for (int v = 0; v < labels.height; ++v)
-    for (int u = 0; u < labels.width; ++u) labels.label.push_back(segments.label(u, v));
+    for (int u = 0; u < labels.width; ++u)
+      labels.label.push_back(labelOf(view, depth.camera.ray(u, v), depth.at(u, v)));
   return smoothed(labels);
+}
+
+SeenImage seeSegments(const std::string& name, View view) {
+  SeenImage image;
+  image.name = name + ", by its segments";
+  image.depth = depthOf(view);
+  image.labels = seenSegments(view);
+  for (int v = 0; v < image.labels.height; ++v)
+    for (int u = 0; u < image.labels.width; ++u) {
+      const std::size_t pixel = static_cast<std::size_t>(v) * image.labels.width + u;
+      const std::size_t label = image.labels.label[pixel];
+      if (label == 0) continue;
+      const Segment& s = view.segments[label - 1];
+      const double along = s.normal().dot(image.depth.camera.ray(u, v));
+      if (along > 0) image.depth.depth[pixel] = static_cast<float>(s.offset() / along);
+    }
+  image.view = std::move(view);
+  return image;
+}
+
+void checkDrawable(const SeenImage& image) {
+  if (!image.depth.valid())
+    throw std::invalid_argument(fmt::format("the image {} has no pixels to draw", image.name));
+  if (image.labels.width != image.depth.camera.width || image.labels.height != image.depth.camera.height)
+    throw std::invalid_argument(fmt::format("the labels of image {} are of another size", image.name));
 }
 
 Raster<std::uint8_t> resized(const Raster<std::uint8_t>& picture, int width, int height) {
