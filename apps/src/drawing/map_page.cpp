@@ -27,21 +27,18 @@ constexpr std::size_t kMostPlaces = 20;                            // Poses list
 constexpr std::size_t kPictureBytes = 1 << 20;                     // that pictures and matches share, about
 constexpr std::size_t kLargePicture = 2900, kSmallPicture = 1600;  // encoded, with its matches [bytes]
 
-Json::Value poseOf(const Eigen::Isometry3d& T) {
-  Json::Value value(Json::arrayValue);
-  const Eigen::Quaterniond q(T.linear());
-  for (const double x :
-       {T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w()})
-    value.append(x);
-  return value;
-}
-
 template <class Matrix>
 Json::Value rowsOf(const Matrix& matrix) {
   Json::Value value(Json::arrayValue);
   for (Eigen::Index r = 0; r < matrix.rows(); ++r)
     for (Eigen::Index c = 0; c < matrix.cols(); ++c) value.append(static_cast<double>(matrix(r, c)));
   return value;
+}
+
+Json::Value poseOf(const Eigen::Isometry3d& T) {
+  Eigen::Matrix<double, 7, 1> values;
+  values << T.translation(), Eigen::Quaterniond(T.linear()).coeffs();  // x, y, z, w
+  return rowsOf(values);
 }
 
 /** Principal axes of the position's uncertainty, each as long as its standard deviation. */
