@@ -109,10 +109,11 @@ std::string modelText(const Map& map, int i) {
 void FrameRate::update(std::uint64_t frames) {
   constexpr double kLeastInterval = 1.0;  // [s]
   const Clock::time_point now = Clock::now();
-  const double seconds = std::chrono::duration<double>(now - since_).count();
-  if (started_ && seconds < kLeastInterval) return;
-  if (started_) value_ = static_cast<double>(frames - frames_) / seconds;
-  started_ = true;
+  if (since_) {
+    const double seconds = std::chrono::duration<double>(now - *since_).count();
+    if (seconds < kLeastInterval) return;
+    value_ = static_cast<double>(frames - frames_) / seconds;
+  }
   since_ = now;
   frames_ = frames;
 }

@@ -36,10 +36,9 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
-  Clock::time_point since_;
+  std::optional<Clock::time_point> since_;
   std::uint64_t frames_ = 0;
   double value_ = 0;
-  bool started_ = false;
 };
 
 /** \brief One line on a terminal with the state of a live run; nothing without a terminal. */
