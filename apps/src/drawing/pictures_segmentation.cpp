@@ -10,7 +10,6 @@
 #include <facetloc/segmentation/view_builder.h>
 
 #include <algorithm>
-#include <fmt/format.h>
 
 namespace facetloc {
 
