@@ -3,7 +3,7 @@
 // How well a camera is tracked on simulated floors, in the time that it really has.
 //
 //   facetloc_simulate office -o office1 --runs map,drive --width 320; ...
-//   score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--frames] [--set PARAMETER VALUE] FLOOR...
+//   score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--frames] [--GROUP.PARAMETER VALUE] FLOOR...
 //
 // For each floor a map is built of its run map/ by the paper's rule, and its run drive/ is tracked in it. A
 // view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (40, with
@@ -11,9 +11,9 @@
 // more, jumping by half of its length every SECONDS; the time until it is found again counts from
 // the jump, and once more only where a local model shows the place, within 1 m and 20 deg. --frames prints
 // every frame.
+#include "cli/app.h"
 #include "mapped_place.h"
 #include "programs.h"
-#include "set_parameter.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/localization/localizer.h>
@@ -24,7 +24,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,9 +35,8 @@ using namespace facetloc;
 constexpr double kGoodTranslation = 0.05, kGoodRotation = 1 * kDegree;
 
 struct Options {
-  double kidnap = 0;   // [s]
-  double busy = 0.3;   // [s]
-  double step = 0.04;  // [s]
+  double kidnap = 0;  // [s]
+  double busy_ms = 300, step_ms = 40;
   bool frames = false;
   LocalizerParams localizer;
 };
@@ -87,7 +85,7 @@ Score track(const Floor& floor, const Options& options) {
     const Localization pose = localizer.update(floor.views[k], now);
     const double ms = benchmarks::milliseconds(start);
     const bool searched = pose.searched;
-    free_at = now + (searched ? options.busy : options.step);
+    free_at = now + 1e-3 * (searched ? options.busy_ms : options.step_ms);
     (searched ? score.search_ms : score.step_ms) += ms;
     ++(searched ? score.searches : score.steps);
     if (!searched) score.worst_ms = std::max(score.worst_ms, ms);
@@ -168,49 +166,37 @@ void print(const std::string& name, const Score& s) {
   std::fflush(stdout);
 }
 
-int run(int argc, char** argv) {
-  Options options;
-  std::vector<std::string> names;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool has_value = i + 1 < argc;
-    if (argument == "--frames") {
-      options.frames = true;
-    } else if (argument == "--kidnap" && has_value) {
-      options.kidnap = std::atof(argv[++i]);
-    } else if (argument == "--busy" && has_value) {
-      options.busy = 1e-3 * std::atof(argv[++i]);
-    } else if (argument == "--step" && has_value) {
-      options.step = 1e-3 * std::atof(argv[++i]);
-    } else if (argument == "--set" && i + 2 < argc) {
-      if (!benchmarks::setParameter(options.localizer, argv[i + 1], argv[i + 2])) {
-        std::fprintf(stderr, "score_tracking: no parameter %s\n", argv[i + 1]);
-        return 2;
-      }
-      i += 2;
-    } else {
-      names.push_back(argument);
+class ScoreTrackingApp : public App {
+public:
+  ScoreTrackingApp()
+      : App("score_tracking", "FLOOR... [options]",
+            "Tracks a camera on simulated floors, in the time that it really has.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addArguments("FLOOR", floors_);
+    line.addOption("kidnap", options_.kidnap, "SECONDS", "Track it once more, with a jump after each.");
+    line.addOption("busy", options_.busy_ms, "MS", "Time of a search in the whole map.");
+    line.addOption("step", options_.step_ms, "MS", "Time of tracking a view.");
+    line.addSwitch("frames", options_.frames, "Print every frame.");
+    line.addParams(options_.localizer, "sequence");
+  }
+
+  int execute(const CommandLine&, const Console&) override {
+    for (const std::string& name : floors_) {
+      const Floor floor(name);
+      Options undisturbed = options_;
+      undisturbed.kidnap = 0;
+      print(name, track(floor, undisturbed));
+      if (options_.kidnap > 0) print(name + ", kidnapped", track(floor, options_));
     }
+    return kOk;
   }
-  if (names.empty()) {
-    std::fprintf(
-        stderr,
-        "usage: score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--frames] [--set NAME VALUE] "
-        "FLOOR...\n");
-    return 2;
-  }
-  for (const std::string& name : names) {
-    const Floor floor(name);
-    Options undisturbed = options;
-    undisturbed.kidnap = 0;
-    print(name, track(floor, undisturbed));
-    if (options.kidnap > 0) print(name + ", kidnapped", track(floor, options));
-  }
-  return 0;
-}
+
+  std::vector<std::string> floors_;
+  Options options_;
+};
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  return benchmarks::runProgram("score_tracking", [&] { return run(argc, argv); });
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ScoreTrackingApp>(argc, argv); }
