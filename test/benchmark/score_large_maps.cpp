@@ -3,7 +3,7 @@
 // Costs and savings of the shortlist in large maps of simulated floors.
 //
 //   score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] [--csv FILE]
-//                    [--first-seed N] [--set shortlist.PARAMETER VALUE]
+//                    [--first-seed N] [--shortlist.PARAMETER VALUE]
 //
 // The floors (office, home and hall of every seed) are rendered once and kept in DIR. A map of N local models
 // is made of as many floors as that takes, far from each other, and kept in DIR/large-N.flmap. It is used as
@@ -16,10 +16,11 @@
 // --exhaustive localizes N of the queries with the shortlist and with all models, and counts whose
 // answers have a right place among their first ones, and whose first place is right or wrong at which
 // probability.
+#include "base/text.h"
+#include "cli/app.h"
 #include "pairs/view_registration.h"
 #include "programs.h"
 #include "ranking/global_localization.h"
-#include "set_parameter.h"
 #include "shortlist/shortlist.h"
 #include "simulated_floors.h"
 
@@ -29,14 +30,12 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <malloc.h>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <unistd.h>
@@ -51,15 +50,13 @@ using internal::Batch, internal::NextBatch, internal::Query, internal::Shortlist
 
 const std::vector<std::string> kScenes = {"office", "home", "hall", "corridor", "hotel"};
 constexpr double kFloorDistance = 1000;  // [m]
-constexpr double kRightTranslation = 0.2, kRightRotation = 2 * kDegree;
-constexpr double kNear = 3, kNearRotation = 45 * kDegree;  // models that may show the same
+constexpr double kRightTranslation = 0.2, kRightRotationDeg = 2;
+constexpr double kNear = 3, kNearRotationDeg = 45;  // models that may show the same
 constexpr int kLengths[] = {1, 10, 20, 40, 50, 75, 100, 150, 200, 300, 500, 1000};
 
 struct Options {
-  std::string floors, csv;
-  std::vector<std::size_t> models = {1000, 10000};
-  std::size_t queries = 200, exhaustive = 0;
-  std::uint64_t first_seed = 1;
+  std::string floors;
+  int queries = 200, exhaustive = 0, first_seed = 1;
   bool misses = false;
   ShortlistParams shortlist;
 };
@@ -69,15 +66,18 @@ struct Question {
   View view;
   Eigen::Isometry3d T_w_c;
   std::vector<int> shown_by;  // local models that give the right pose
+
+  bool isShownBy(int model) const { return std::binary_search(shown_by.begin(), shown_by.end(), model); }
 };
 
 // Processor time, so that other load does not matter [s].
 double seconds(std::clock_t since) { return static_cast<double>(std::clock() - since) / CLOCKS_PER_SEC; }
 
 bool isRight(const Eigen::Isometry3d& T_w_c, const Eigen::Isometry3d& truth) {
-  const Eigen::Isometry3d error = truth.inverse() * T_w_c;
-  return error.translation().norm() <= kRightTranslation && rotationAngle(error.linear()) <= kRightRotation;
+  return isNear(T_w_c, truth, kRightTranslation, kRightRotationDeg);
 }
+
+double mean(double sum, std::size_t n) { return sum / static_cast<double>(std::max<std::size_t>(n, 1)); }
 
 /** Which floor of how many local models and queries. */
 struct Floor {
@@ -112,7 +112,8 @@ private:
 /** Floors, one after the other, as one map. */
 class Building {
 public:
-  explicit Building(const Options& options) : options_(options), seed_(options.first_seed) {}
+  explicit Building(const Options& options)
+      : options_(options), seed_(static_cast<std::uint64_t>(options.first_seed)) {}
 
   /** The file of the map of exactly n models, of the floors that it takes. */
   std::string map(std::size_t n) {
@@ -135,7 +136,7 @@ public:
       all += floors_[floors].queries;
     }
     std::vector<Question> chosen;
-    const std::size_t wanted = std::min(all, options_.queries);
+    const std::size_t wanted = std::min(all, static_cast<std::size_t>(options_.queries));
     for (std::size_t k = 0, before = 0; k < floors; before += floors_[k++].queries) {
       SimulatedFloor floor;
       while (chosen.size() < wanted && chosen.size() * all / wanted < before + floors_[k].queries) {
@@ -195,8 +196,8 @@ void findWhoShows(const Map& map, const GlobalLocalizationParams& params, std::v
     const Query query(q.view, prior, known);
     if (!registration.mayFixPose(query)) continue;
     for (std::size_t m = 0; m < map.models.size(); ++m) {
-      const Eigen::Isometry3d &T_w_m = *map.models[m].T_w_m, apart = T_w_m.inverse() * q.T_w_c;
-      if (apart.translation().norm() > kNear || rotationAngle(apart.linear()) > kNearRotation) continue;
+      const Eigen::Isometry3d& T_w_m = *map.models[m].T_w_m;
+      if (!isNear(T_w_m, q.T_w_c, kNear, kNearRotationDeg)) continue;
       const int model = static_cast<int>(m);
       const std::vector<Hypothesis> found = registration.align(query, *map.view(model));
       if (std::any_of(found.begin(), found.end(),
@@ -303,22 +304,20 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
   for (const Question& q : queries) {
     const std::vector<int> list = index.shortlist(q.view, longest);
     if (q.shown_by.empty()) continue;
-    const auto shows = [&q](int m) { return std::binary_search(q.shown_by.begin(), q.shown_by.end(), m); };
-    const auto first = std::find_if(list.begin(), list.end(), shows);
+    const auto first = std::find_if(list.begin(), list.end(), [&q](int m) { return q.isShownBy(m); });
     ranks.push_back(first == list.end() ? std::numeric_limits<int>::max()
                                         : static_cast<int>(first - list.begin()));
     if (options.misses && ranks.back() > options.shortlist.size)
       std::printf("  %s: rank %d of %zu, %zu segments\n", q.name.c_str(), ranks.back(), list.size(),
                   q.view.segments.size());
   }
-  const double vote = 1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
+  const double vote = mean(1e3 * seconds(start), queries.size());
   std::printf("%zu queries, %zu answerable; aligned in %.1f ms\n", queries.size(), ranks.size(), vote);
   std::printf("%10s %10s\n", "aligned", "recall");
   for (const int length : kLengths) {
     if (length > longest) break;
     const auto held = std::count_if(ranks.begin(), ranks.end(), [length](int r) { return r < length; });
-    const double recall =
-        static_cast<double>(held) / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
+    const double recall = mean(static_cast<double>(held), ranks.size());
     std::printf("%10d %8.1f %%\n", length, 100 * recall);
     if (csv)
       std::fprintf(csv, "%zu,%d,%zu,%.5f,%.3f,%.3f,%.3f,%.1f,%.1f\n", n, length, ranks.size(), recall, vote,
@@ -336,20 +335,17 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
     for (const NextBatch& next : shortlist.batches(query, true, 1)) {
       const Batch batch = next(std::numeric_limits<double>::lowest());
       listed += batch.size();
-      for (const Start& start_of : batch)
-        holds = holds || std::binary_search(q.shown_by.begin(), q.shown_by.end(), start_of.model);
+      for (const Start& start_of : batch) holds = holds || q.isShownBy(start_of.model);
     }
     held += holds;
   }
   std::vector<Grade> quick_grades;
   start = std::clock();
   for (const Question& q : queries) quick_grades.push_back(grade(quick.localize(q.view), q));
-  const double query_ms =
-      1e3 * seconds(start) / static_cast<double>(std::max<std::size_t>(queries.size(), 1));
-  const double of_answerable = 100 / static_cast<double>(std::max<std::size_t>(ranks.size(), 1));
+  const double query_ms = mean(1e3 * seconds(start), queries.size());
+  const double of_answerable = mean(100, ranks.size());
   std::printf("the shortlist holds %.1f models, recall %.1f %%\n",
-              static_cast<double>(listed) / static_cast<double>(std::max<std::size_t>(queries.size(), 1)),
-              static_cast<double>(held) * of_answerable);
+              mean(static_cast<double>(listed), queries.size()), static_cast<double>(held) * of_answerable);
   const auto right_first = std::count_if(quick_grades.begin(), quick_grades.end(),
                                          [](const Grade& answer) { return answer.rank == 0; });
   std::printf(
@@ -360,7 +356,7 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
   std::fflush(stdout);
   if (csv) std::fflush(csv);
   if (options.exhaustive == 0) return;
-  const std::size_t asked = std::min(options.exhaustive, queries.size());
+  const std::size_t asked = std::min(static_cast<std::size_t>(options.exhaustive), queries.size());
   std::vector<Grade> all_grades, some_grades;
   start = std::clock();
   for (std::size_t i = 0; i < asked; ++i) {
@@ -368,61 +364,46 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
     all_grades.push_back(grade(exhaustive.localize(queries[k].view), queries[k]));
     some_grades.push_back(quick_grades[k]);
   }
-  std::printf("%zu queries with all models, %.0f ms each\n", asked,
-              1e3 * seconds(start) / static_cast<double>(asked));
+  std::printf("%zu queries with all models, %.0f ms each\n", asked, mean(1e3 * seconds(start), asked));
   compare(all_grades, some_grades);
   std::fflush(stdout);
 }
 
-int run(int argc, char** argv) {
-  Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool has_value = i + 1 < argc;
-    if (argument == "--misses") {
-      options.misses = true;
-    } else if (argument == "--floors" && has_value) {
-      options.floors = argv[++i];
-    } else if (argument == "--models" && has_value) {
-      options.models.clear();
-      std::istringstream list(argv[++i]);
-      for (std::string n; std::getline(list, n, ',');)
-        options.models.push_back(std::strtoul(n.c_str(), nullptr, 10));
-    } else if (argument == "--queries" && has_value) {
-      options.queries = std::strtoul(argv[++i], nullptr, 10);
-    } else if (argument == "--exhaustive" && has_value) {
-      options.exhaustive = std::strtoul(argv[++i], nullptr, 10);
-    } else if (argument == "--first-seed" && has_value) {
-      options.first_seed = std::strtoul(argv[++i], nullptr, 10);
-    } else if (argument == "--csv" && has_value) {
-      options.csv = argv[++i];
-    } else if (argument == "--set" && i + 2 < argc &&
-               benchmarks::setParameter(options.shortlist, argv[i + 1], argv[i + 2], "shortlist")) {
-      i += 2;
-    } else {
-      std::fprintf(stderr, "score_large_maps: cannot use %s\n", argument.c_str());
-      options.floors.clear();
-      break;
-    }
+class ScoreLargeMapsApp : public App {
+public:
+  ScoreLargeMapsApp()
+      : App("score_large_maps", "--floors DIR [options]",
+            "Costs and savings of the shortlist in large maps of simulated floors.") {}
+
+private:
+  void addOptions(CommandLine& line) override {
+    line.addOption("floors", options_.floors, "DIR", "Folder in which floors and maps are kept.");
+    line.addOption("models", models_, "N,...", "Numbers of local models; 1000,10000 unless given.");
+    line.addOption("queries", options_.queries, "N", "Largest number of queries.");
+    line.addOption("exhaustive", options_.exhaustive, "N", "Localize N of them with all models as well.");
+    line.addOption("first-seed", options_.first_seed, "N", "Seed of the first floors.");
+    line.addOption("csv", csv_, "FILE", "Write the recall of the best aligned models.");
+    line.addSwitch("misses", options_.misses, "Print the queries that a shortlist misses.");
+    line.addParams(options_.shortlist, "shortlist");
   }
-  if (options.floors.empty()) {
-    std::fprintf(stderr,
-                 "usage: score_large_maps --floors DIR [--models N,N,...] [--queries N] [--exhaustive N] "
-                 "[--csv FILE] [--first-seed N] [--misses] [--set PARAMETER VALUE]\n");
-    return 2;
+
+  int execute(const CommandLine&, const Console&) override {
+    if (options_.floors.empty()) throw UsageError("--floors is missing");
+    std::FILE* csv = csv_.empty() ? nullptr : std::fopen(csv_.c_str(), "w");
+    if (!csv_.empty() && !csv) throw std::runtime_error("cannot write " + csv_);
+    if (csv)
+      std::fprintf(csv, "models,shortlist,answerable,recall,shortlist_ms,build_s,open_s,map_mb,index_mb\n");
+    Building building(options_);
+    for (const std::string_view models : text::split(models_, ','))
+      score(options_, building, text::to<std::size_t>(models).value_or(0), csv);
+    if (csv && std::fclose(csv) != 0) throw std::runtime_error("cannot write " + csv_);
+    return kOk;
   }
-  std::FILE* csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
-  if (!options.csv.empty() && !csv) throw std::runtime_error("cannot write " + options.csv);
-  if (csv)
-    std::fprintf(csv, "models,shortlist,answerable,recall,shortlist_ms,build_s,open_s,map_mb,index_mb\n");
-  Building building(options);
-  for (const std::size_t n : options.models) score(options, building, n, csv);
-  if (csv && std::fclose(csv) != 0) throw std::runtime_error("cannot write " + options.csv);
-  return 0;
-}
+
+  std::string models_ = "1000,10000", csv_;
+  Options options_;
+};
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  return benchmarks::runProgram("score_large_maps", [&] { return run(argc, argv); });
-}
+int main(int argc, char** argv) { return facetloc::benchmarks::runProgram<ScoreLargeMapsApp>(argc, argv); }
