@@ -188,10 +188,8 @@ void score(const std::string& scene, std::uint64_t seed, const fs::path& place, 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 6) {
-    std::fprintf(stderr, "Usage: score_changes SCENE SEED PLACE MAP.flmap CHANGES.csv\n");
-    return 2;
-  }
-  return benchmarks::runProgram(
-      "score_changes", [&] { return score(argv[1], std::stoull(argv[2]), argv[3], argv[4], argv[5]), 0; });
+  return runProgram("score_changes", [&] {
+    if (argc != 6) throw Usage{"score_changes SCENE SEED PLACE MAP.flmap CHANGES.csv"};
+    score(argv[1], std::stoull(argv[2]), argv[3], argv[4], argv[5]);
+  });
 }

@@ -9,7 +9,6 @@
 // camera's silhouettes, which waver by half a pixel.
 #include "cluttered_room.h"
 #include "programs.h"
-#include "set_parameter.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
 #include <facetloc/testing/overlap_score.h>
@@ -80,17 +79,15 @@ test::OverlapScore scoreOf(int room, int view, int width, const SegmentationPara
                             static_cast<int>(scaledPixels(kMinRegion, image.camera)));
 }
 
-int run(int argc, char** argv) {
+void run(int argc, char** argv) {
   int width = 320;
   SegmentationParams params;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.rfind("--width=", 0) == 0)
       width = std::atoi(argument.c_str() + 8);
-    else if (!setByArgument(params, argument)) {
-      std::fprintf(stderr, "usage: score_clutter [--width=320] [--GROUP.PARAMETER=VALUE ...]\n");
-      return 2;
-    }
+    else if (!setByArgument(params, argument))
+      throw Usage{"score_clutter [--width=320] [--GROUP.PARAMETER=VALUE ...]"};
   }
   std::vector<test::OverlapScore> scores(kRooms * kViews);
 #pragma omp parallel for schedule(dynamic)
@@ -99,12 +96,10 @@ int run(int argc, char** argv) {
   for (const test::OverlapScore& score : scores) sum += score;
   std::printf("found %d of %d planes: %.1f %%; %d segments, of which %.2f are one\n", sum.correct,
               sum.regions, 100 * sum.rate(), sum.segments, sum.precision());
-  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return runProgram(
-      "score_clutter", [&] { return run(argc, argv); }, 2);
+  return runProgram("score_clutter", [&] { run(argc, argv); });
 }

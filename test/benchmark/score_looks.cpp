@@ -167,11 +167,8 @@ void scoreFloor(const std::filesystem::path& folder, const std::string& scene, s
   }
 }
 
-int run(int argc, char** argv) {
-  if (argc < 4) {
-    std::fprintf(stderr, "usage: score_looks FOLDER FIRST_SEED LAST_SEED [SCENE...]\n");
-    return 2;
-  }
+void run(int argc, char** argv) {
+  if (argc < 4) throw benchmarks::Usage{"score_looks FOLDER FIRST_SEED LAST_SEED [SCENE...]"};
   const std::uint64_t first = std::strtoull(argv[2], nullptr, 10), last = std::strtoull(argv[3], nullptr, 10);
   std::vector<std::string> scenes(argv + 4, argv + argc);
   if (scenes.empty()) scenes = {"office", "home", "hall", "hotel"};
@@ -189,11 +186,10 @@ int run(int argc, char** argv) {
     }
   }
   print("all", all);
-  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return facetloc::benchmarks::runProgram("score_looks", [&] { return run(argc, argv); });
+  return benchmarks::runProgram("score_looks", [&] { run(argc, argv); });
 }

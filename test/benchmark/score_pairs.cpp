@@ -19,7 +19,6 @@
 #include "cloud_registrations.h"
 #include "posed_pairs.h"
 #include "programs.h"
-#include "set_parameter.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/depth_sequence.h>
@@ -35,6 +34,7 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <stdexcept>
 
 namespace {
 
@@ -255,28 +255,18 @@ void addOthers(std::vector<PosedFrame>& frames, const std::vector<PosedFrame>& o
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+void run(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i)
-    if (!options.take(argv[i])) {
-      std::fprintf(stderr, "score_pairs: unknown parameter %s\n", argv[i]);
-      return 2;
-    }
-  if (options.folders.empty()) {
-    std::fprintf(stderr, "usage: score_pairs [--param=value ...] [--clouds | --peers] SEQUENCE...\n");
-    return 2;
-  }
+    if (!options.take(argv[i])) throw std::invalid_argument(std::string("unknown parameter ") + argv[i]);
+  if (options.folders.empty())
+    throw Usage{"score_pairs [--param=value ...] [--clouds | --peers] SEQUENCE..."};
   const std::vector<DepthSequence> sequences = opened(options.folders),
                                    other_sequences = opened(options.others);
   std::vector<PosedFrame> frames = posedFrames(sequences);
   const std::vector<FramePair> related = relatedPairs(frames, options.pairs);
-  if (related.empty()) {
-    std::fprintf(stderr,
-                 "score_pairs: no pair of frames with true poses is far enough apart and overlaps enough\n");
-    return 1;
-  }
+  if (related.empty())
+    throw std::runtime_error("no pair of frames with true poses is far enough apart and overlaps enough");
   std::vector<FramePair> unrelated = unrelatedPairs(frames, options.pairs);
   addOthers(frames, posedFrames(other_sequences), options.pairs.unrelated, unrelated);
 
@@ -285,10 +275,15 @@ int main(int argc, char** argv) {
     std::vector<CloudRegistration> ways = ours(options.camera);
     if (options.with_peers)
       for (CloudRegistration& way : peers(options.peers)) ways.push_back(std::move(way));
-    scoreClouds(ways, frames, related, unrelated);
-    return 0;
+    return scoreClouds(ways, frames, related, unrelated);
   }
   ViewBuilder builder(options.camera, options.view);
   scoreRelated(frames, related, builder, options.registration);
   scoreUnrelated(frames, unrelated, builder, options.registration);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runProgram("score_pairs", [&] { run(argc, argv); });
 }

@@ -216,7 +216,7 @@ Tally score(const std::string& name, const std::vector<double>& pans_deg, std::u
   return tally;
 }
 
-int run(const std::string& only, const std::vector<std::uint64_t>& seeds) {
+void run(const std::string& only, const std::vector<std::uint64_t>& seeds) {
   std::printf("%-12s %4s | %4s %4s         | sure: one, all    | NEES, in 95 %%: one, all     | ms: "
               "segments, one, all\n",
               "", "n", "free", "fixed");
@@ -231,7 +231,6 @@ int run(const std::string& only, const std::vector<std::uint64_t>& seeds) {
     for (const std::uint64_t seed : seeds) sum.add(score(name, pans, seed));
     sum.print(name);
   }
-  return 0;
 }
 
 }  // namespace
@@ -245,6 +244,6 @@ int main(int argc, char** argv) {
         seeds.push_back(seed);
       else
         only = word;
-    return run(only, seeds);
+    run(only, seeds);
   });
 }

@@ -6,7 +6,7 @@
 //
 // FOLDER holds calibration.csv, depth/ and labels/; SIGMA: noise of inverse depth [1/m]. A noise region is a
 // segment that is no region of the truth, or not to 80 %.
-#include "set_parameter.h"
+#include "programs.h"
 
 #include <facetloc/segmentation/plane_segmenter.h>
 #include <facetloc/testing/overlap_score.h>
@@ -15,12 +15,12 @@
 #include <cstdio>
 #include <cstdlib>
 
-int main(int argc, char** argv) {
-  using namespace facetloc;
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: score_segcomp FOLDER [SIGMA] [--GROUP.PARAMETER=VALUE ...]\n");
-    return 2;
-  }
+namespace {
+
+using namespace facetloc;
+
+void run(int argc, char** argv) {
+  if (argc < 2) throw benchmarks::Usage{"score_segcomp FOLDER [SIGMA] [--GROUP.PARAMETER=VALUE ...]"};
   constexpr double kMinRegion = 100;  // smaller regions are not scored [px]
   SensorNoise noise;
   SegmentationParams params;
@@ -42,4 +42,10 @@ int main(int argc, char** argv) {
       "correct %d of %d regions in %zu images: %.1f %%; %.2f of the segments, %.2f noise regions an image\n",
       sum.correct, sum.regions, images.size(), 100 * sum.rate(), sum.precision(),
       (sum.segments - sum.correct) / static_cast<double>(images.size()));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return benchmarks::runProgram("score_segcomp", [&] { run(argc, argv); });
 }

@@ -13,7 +13,6 @@
 #include "object_score.h"
 #include "pcl_planes.h"
 #include "programs.h"
-#include "set_parameter.h"
 
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
@@ -60,7 +59,12 @@ void print(const char* name, const ObjectScore& score) {
               percent(score.covered_pixels, score.object_pixels));
 }
 
-void run(const fs::path& folder, const ViewParams& params) {
+void run(int argc, char** argv) {
+  ViewParams params;
+  bool good = argc >= 2 && argv[1][0] != '-';
+  for (int i = 2; i < argc; ++i) good = good && setByArgument(params, argv[i]);
+  if (!good) throw Usage{"score_segments FOLDER [--GROUP.PARAMETER=VALUE ...]"};
+  const fs::path folder = argv[1];
   const DepthSequence sequence = DepthSequence::open(folder);
   const Camera camera = sequence.camera() ? sequence.camera()->camera : Camera{};
   ViewBuilder views(camera, params);
@@ -89,12 +93,5 @@ void run(const fs::path& folder, const ViewParams& params) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  ViewParams params;
-  bool good = argc >= 2 && argv[1][0] != '-';
-  for (int i = 2; i < argc; ++i) good = good && setByArgument(params, argv[i]);
-  if (!good) {
-    std::fprintf(stderr, "usage: score_segments FOLDER [--GROUP.PARAMETER=VALUE ...]\n");
-    return 2;
-  }
-  return runProgram("score_segments", [&] { return run(argv[1], params), 0; });
+  return runProgram("score_segments", [&] { run(argc, argv); });
 }

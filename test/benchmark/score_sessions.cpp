@@ -151,9 +151,8 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "Usage: score_sessions PLACE BEFORE.flmap AFTER.flmap\n");
-    return 2;
-  }
-  return benchmarks::runProgram("score_sessions", [&] { return score(argv[1], argv[2], argv[3]), 0; });
+  return runProgram("score_sessions", [&] {
+    if (argc != 4) throw Usage{"score_sessions PLACE BEFORE.flmap AFTER.flmap"};
+    score(argv[1], argv[2], argv[3]);
+  });
 }
