@@ -27,13 +27,6 @@ void CovarianceStatistics::add(const PoseWithCovariance& pose, const Eigen::Isom
   }
 }
 
-void CovarianceStatistics::add(const CovarianceStatistics& other) {
-  nees_.insert(nees_.end(), other.nees_.begin(), other.nees_.end());
-  for (std::size_t axis = weakest; axis <= strongest; ++axis)
-    ratios_[axis].insert(ratios_[axis].end(), other.ratios_[axis].begin(), other.ratios_[axis].end());
-  invalid_ += other.invalid_;
-}
-
 double CovarianceStatistics::inside(double ellipsoid) const {
   if (nees_.empty()) return 0;
   const auto n = std::count_if(nees_.begin(), nees_.end(), [&](double x) { return x <= ellipsoid; });

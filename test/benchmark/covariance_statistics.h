@@ -20,7 +20,6 @@ public:
   /** \brief One pose with its true value; leaves out a covariance that is not positive definite.
    * \param truth covariance of the true value's own error, independent of the pose's */
   void add(const PoseWithCovariance& pose, const Eigen::Isometry3d& T_true, const Matrix6d& truth);
-  void add(const CovarianceStatistics& other);
 
   std::size_t size() const { return nees_.size(); }
   std::size_t invalid() const { return invalid_; }  ///< left out
