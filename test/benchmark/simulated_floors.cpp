@@ -20,10 +20,9 @@ constexpr double kMapStep = 0.25;     // [m]
 constexpr double kSwayDeg = 10;       // sway of the later run
 constexpr double kQueryStart = 1000;  // [s]
 
-Map seen(const SimulatedWorld& scene, const SimulatedCamera& camera, const CameraMounting& mounting,
-         const std::vector<Eigen::Isometry3d>& poses, const std::vector<std::size_t>& frames,
-         std::size_t first_frame, double first_stamp) {
-  const std::vector<double> times = drivingTimes(basePoses(poses, mounting));
+Map seen(const SimulatedRun& run, const SimulatedCamera& camera, const CameraMounting& mounting,
+         const std::vector<std::size_t>& frames, std::size_t first_frame, double first_stamp) {
+  const std::vector<double> times = drivingTimes(basePoses(run.poses, mounting));
   Map map;
   map.camera.mounting = mounting;
   map.models.resize(frames.size());
@@ -34,8 +33,8 @@ Map seen(const SimulatedWorld& scene, const SimulatedCamera& camera, const Camer
 #pragma omp for schedule(dynamic)
     for (int i = 0; i < n; ++i) {
       const std::size_t frame = frames[i];
-      map.models[i] = {std::to_string(frame), first_stamp + times[frame], poses[frame],
-                       builder.build(camera.render(scene, poses[frame], first_frame + frame).depth)};
+      map.models[i] = {std::to_string(frame), first_stamp + times[frame], run.poses[frame],
+                       builder.build(camera.render(run.world, run.poses[frame], first_frame + frame).depth)};
     }
   }
   return map;
@@ -48,24 +47,23 @@ SimulatedFloor simulatedFloor(const fs::path& folder, const std::string& scene, 
   const fs::path map_file = folder / (name + "-map.flmap"), query_file = folder / (name + "-query.flmap");
   if (fs::exists(map_file) && fs::exists(query_file)) return {readMap(map_file), readMap(query_file)};
 
-  const SimulatedPlace place = simulatedPlace(scene, seed);
   const SimulatedCamera camera(kinectIntrinsics().subsampled(2), SimulatedNoise{}, seed);
   DriveParams drive;
   drive.step = kMapStep;
-  const std::vector<Eigen::Isometry3d> mapping =
-      simulateDrive(place.mapping_route, kMapFrames, drive, kRunSeeds * seed);
+  const SimulatedRun mapping =
+      simulatedRun(scene, seed, kMappingRun, kMapFrames, drive, {}, RouteEnd::go_round);
   drive.step = DriveParams{}.step;
   drive.sway_deg = kSwayDeg;
-  const std::vector<Eigen::Isometry3d> later =
-      simulateDrive(place.query_route, kQueryFrames, drive, kRunSeeds * seed + 1);
+  const SimulatedRun later =
+      simulatedRun(scene, seed, kLaterRun, kQueryFrames, drive, {}, RouteEnd::go_round);
 
   std::vector<std::size_t> models, queries;
   MapBuilder rule;
-  for (std::size_t i = 0; i < mapping.size(); ++i)
-    if (rule.accept(mapping[i])) models.push_back(i);
-  for (std::size_t i = kQueryStep / 2; i < later.size(); i += kQueryStep) queries.push_back(i);
-  SimulatedFloor floor{seen(place.mapped, camera, drive.mounting(), mapping, models, 0, 0),
-                       seen(place.later, camera, drive.mounting(), later, queries, kMapFrames, kQueryStart)};
+  for (std::size_t i = 0; i < mapping.poses.size(); ++i)
+    if (rule.accept(mapping.poses[i])) models.push_back(i);
+  for (std::size_t i = kQueryStep / 2; i < later.poses.size(); i += kQueryStep) queries.push_back(i);
+  SimulatedFloor floor{seen(mapping, camera, drive.mounting(), models, 0, 0),
+                       seen(later, camera, drive.mounting(), queries, kMapFrames, kQueryStart)};
   writeMap(query_file, floor.query);
   writeMap(map_file, floor.map);
   return floor;
