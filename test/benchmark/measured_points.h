@@ -2,9 +2,13 @@
 #pragma once
 
 #include <facetloc/features/depth_image.h>
+#include <facetloc/io/depth_sequence.h>
 
 #include <Eigen/Geometry>
 
+#include <filesystem>
+#include <set>
+#include <string>
 #include <vector>
 
 namespace facetloc::benchmarks {
@@ -14,6 +18,18 @@ struct Look {
   DepthImage depth;
   Eigen::Isometry3d T_c_w;
 };
+
+/** \brief The images of a run where they truly are. \param names of those wanted; all if empty
+ * Throws IoError. */
+inline std::vector<Look> looksOf(const std::filesystem::path& run, const std::set<std::string>& names) {
+  std::vector<Look> looks;
+  const DepthSequence images = DepthSequence::open(run);
+  for (std::size_t i = 0; i < images.frames().size(); ++i)
+    if (const auto T = images.groundTruth().at(images.frames()[i].stamp);
+        T && (names.empty() || names.count(images.frames()[i].name)))
+      looks.push_back({images.load(i, kWorkingWidth), T->inverse()});
+  return looks;
+}
 
 /** \brief How images are compared with a point. */
 struct PointComparison {

@@ -8,10 +8,10 @@
 // the first, CHANGES the list for the second one. A point of a moved surface can be known if one side has
 // measured it (a local model, for surfaces that are gone; an image of the query, for new ones), and two or
 // more images of the other side measure something behind it, and more of them than measure it.
+#include "base/text.h"
 #include "measured_points.h"
 #include "programs.h"
 
-#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/simulation/simulated_place.h>
 
@@ -31,21 +31,9 @@ namespace fs = std::filesystem;
 using namespace facetloc;
 using namespace facetloc::benchmarks;
 
-constexpr int kWidth = 320;        // width of the images [px]
 constexpr double kSpacing = 0.05;  // spacing of the examined points [m]
 constexpr double kNear = 0.1;      // error of a listed surface [m]
 constexpr PointComparison kComparison{0.5, 6, 0.1};
-
-/** The images of a run where they truly are. \param names of those wanted; all if empty */
-std::vector<Look> looksOf(const fs::path& run, const std::set<std::string>& names) {
-  std::vector<Look> looks;
-  const DepthSequence images = DepthSequence::open(run);
-  for (std::size_t i = 0; i < images.frames().size(); ++i)
-    if (const auto T = images.groundTruth().at(images.frames()[i].stamp);
-        T && (names.empty() || names.count(images.frames()[i].name)))
-      looks.push_back({images.load(i, kWidth), T->inverse()});
-  return looks;
-}
 
 /** A line of the list. */
 struct Change {
@@ -91,17 +79,13 @@ std::vector<Change> changesOf(const fs::path& path) {
   std::getline(in, line);
   while (std::getline(in, line)) {
     Change change;
-    std::istringstream cells(line);
-    std::string cell;
-    std::getline(cells, change.kind, ',');
-    std::getline(cells, cell, ',');
-    change.area = std::stod(cell);
-    std::getline(cells, cell, ',');
-    change.probability = std::stod(cell);
-    std::istringstream corners(line.substr(line.rfind(',') + 1));
-    for (std::string corner; std::getline(corners, corner, ';');) {
+    const auto cells = text::split(line, ',');
+    change.kind = cells[0];
+    change.area = text::to<double>(cells.at(1)).value();
+    change.probability = text::to<double>(cells.at(2)).value();
+    for (const std::string_view corner : text::split(cells.back(), ';')) {
       Eigen::Vector3d p;
-      std::istringstream(corner) >> p.x() >> p.y() >> p.z();
+      std::istringstream(std::string(corner)) >> p.x() >> p.y() >> p.z();
       change.outline.push_back(p);
     }
     if (change.outline.size() > 2) changes.push_back(change);

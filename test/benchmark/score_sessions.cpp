@@ -28,7 +28,6 @@ namespace fs = std::filesystem;
 using namespace facetloc;
 using namespace facetloc::benchmarks;
 
-constexpr int kWidth = 320;           // width of the images [px]
 constexpr double kThick = 0.03;       // thickness of a segment [m]
 constexpr double kSameNormal = 0.97;  // cosine between a segment's normal and its true plane's
 constexpr double kOfPlane = 0.1;      // distance of a segment from its true plane [m]
@@ -99,11 +98,7 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
   const Map before = readMap(before_path), after = readMap(after_path);
   std::map<std::string, int> kept;
   for (std::size_t i = 0; i < after.models.size(); ++i) kept[after.models[i].name] = static_cast<int>(i);
-  std::vector<Look> looks;
-  const DepthSequence query = DepthSequence::open(place / "query");
-  for (std::size_t i = 0; i < query.frames().size(); ++i)
-    if (const auto T = query.groundTruth().at(query.frames()[i].stamp))
-      looks.push_back({query.load(i, kWidth), T->inverse()});
+  const std::vector<Look> looks = looksOf(place / "query", {});
   const DepthSequence run = DepthSequence::open(place / "map");
   std::map<std::string, std::size_t> frame;
   for (std::size_t i = 0; i < run.frames().size(); ++i) frame[run.frames()[i].name] = i;
@@ -112,7 +107,7 @@ void score(const fs::path& place, const fs::path& before_path, const fs::path& a
   Count moved, unmoved;
   for (std::size_t i = 0; i < before.models.size(); ++i) {
     const LocalModel& model = before.models[i];
-    const DepthImage image = run.load(frame.at(model.name), kWidth);
+    const DepthImage image = run.load(frame.at(model.name), kWorkingWidth);
     const auto labels = readGreyPng(place / "map/labels" / (model.name + ".png"));
     const auto found = kept.find(model.name);
     const std::vector<Segment> segments_kept =
