@@ -40,20 +40,13 @@ namespace {
 
 using namespace facetloc;
 
-constexpr double kMaxTranslationError = 0.3, kMaxRotationError = 10 * kDegree;
+constexpr double kMaxTranslationError = 0.3, kMaxRotationErrorDeg = 10;
 
 using namespace benchmarks;
 
-struct PairError {
-  double translation, rotation;
-  bool registered() const { return translation <= kMaxTranslationError && rotation <= kMaxRotationError; }
-};
-
-PairError errorOf(const Eigen::Isometry3d& T, const Eigen::Isometry3d& truth) {
-  return {(T.translation() - truth.translation()).norm(),
-          rotationAngle(T.linear() * truth.linear().transpose())};
+bool isRegistered(const Eigen::Isometry3d& T, const Eigen::Isometry3d& truth) {
+  return isNear(T, truth, kMaxTranslationError, kMaxRotationErrorDeg);
 }
-PairError errorOf(const Hypothesis& h, const Eigen::Isometry3d& truth) { return errorOf(h.T_m_c.T, truth); }
 
 double medianOrZero(std::vector<double> values) {
   return values.empty() ? 0 : internal::median(values.begin(), values.end());
@@ -123,29 +116,33 @@ void scoreRelated(const std::vector<PosedFrame>& frames, const std::vector<Frame
 
     int rank = 0;
     for (std::size_t k = 0; k < answer.hypotheses.size() && !rank; ++k)
-      if (errorOf(answer.hypotheses[k], truth).registered()) rank = static_cast<int>(k) + 1;
+      if (isRegistered(answer.hypotheses[k].T_m_c.T, truth)) rank = static_cast<int>(k) + 1;
     registered += rank == 1;
     anywhere += rank > 0;
-    const PairError first =
-        answer.hypotheses.empty() ? PairError{9.99, kDegree * 180} : errorOf(answer.hypotheses[0], truth);
+    double translation = 9.99, rotation = kDegree * 180;  // errors of the first
+    if (!answer.hypotheses.empty()) {
+      const Eigen::Isometry3d& T = answer.hypotheses[0].T_m_c.T;
+      translation = (T.translation() - truth.translation()).norm();
+      rotation = rotationAngle(T.linear() * truth.linear().transpose());
+    }
     const auto isRight = [&](const Localization& a) {
-      return errorOf(a.hypotheses.front(), truth).registered();
+      return isRegistered(a.hypotheses.front().T_m_c.T, truth);
     };
     sure += isSure(answer);
     sure_right += isSure(answer) && isRight(answer);
     const Localization by_segments = registerPair(scene, registration.target(), params).by_segments;
     segments_sure += isSure(by_segments);
     segments_right += isSure(by_segments) && isRight(by_segments);
-    if (rank == 1) translation_errors.push_back(first.translation), rotation_errors.push_back(first.rotation);
+    if (rank == 1) translation_errors.push_back(translation), rotation_errors.push_back(rotation);
     std::printf("%-11s %-11s %5.2f m %5.1f | %4zu %5d %6.3f m %6.2f %8.3f%s | %zu %zu  %.1f ms\n",
                 frames[i].name().c_str(), frames[j].name().c_str(), truth.translation().norm(),
-                rotationAngle(truth.linear()) / kDegree, answer.hypotheses.size(), rank, first.translation,
-                first.rotation / kDegree, answer.hypotheses.empty() ? 0.0 : answer.hypotheses[0].probability,
+                rotationAngle(truth.linear()) / kDegree, answer.hypotheses.size(), rank, translation,
+                rotation / kDegree, probabilityOf(answer),
                 !answer.hypotheses.empty() && answer.hypotheses[0].depth_assisted ? "d" : " ",
                 scene.segments.size(), registration.target().segments.size(), align_ms.back());
   }
   std::printf("%d of %zu pairs registered (rank 1 within %.1f m and %.0f deg), %d anywhere in the list\n",
-              registered, pairs.size(), kMaxTranslationError, kMaxRotationError / kDegree, anywhere);
+              registered, pairs.size(), kMaxTranslationError, kMaxRotationErrorDeg, anywhere);
   std::printf("sure: %d, of these right %d; by segments alone %d, of these right %d\n", sure, sure_right,
               segments_sure, segments_right);
   std::printf(
@@ -197,8 +194,8 @@ void scoreClouds(const std::vector<CloudRegistration>& ways, const std::vector<P
     };
     for (const FramePair& pair : related) {
       const CloudAnswer answer = align(pair);
-      const PairError error = errorOf(answer.T, trueMotion(frames[pair.first], frames[pair.second]));
-      score.add(answer, answer.has_pose && error.registered());
+      const Eigen::Isometry3d truth = trueMotion(frames[pair.first], frames[pair.second]);
+      score.add(answer, answer.has_pose && isRegistered(answer.T, truth));
     }
     for (const FramePair& pair : unrelated) score.addUnrelated(align(pair));
     std::printf("%-44s %5d %10d %14d %10d %11ld %9.1f\n", way.name.c_str(), score.right, score.converged,

@@ -8,7 +8,6 @@
 // people and with 1 to N people around the camera, and localized one by one and as a drive. A row has the
 // images of which people hide a tenth of the pixels, two tenths, ..., and the same images without people.
 #include "cli/app.h"
-#include "evaluation/evaluation.h"
 #include "programs.h"
 
 #include <facetloc/localization/localizer.h>
@@ -32,8 +31,8 @@ using namespace facetloc;
 
 constexpr int kWidth = 320, kCoarseWidth = 80;    // images, and renderings that show the hidden share
 constexpr double kMapStep = 0.25, kSwayDeg = 10;  // as facetloc_simulate [m, deg]
-constexpr EvaluationParams kRight{0.3, 5};        // limits of a right answer on recordings
-constexpr std::size_t kTenths = 7;                // tenths of an image that people hide
+constexpr double kRightTranslation = 0.3, kRightRotationDeg = 5;  // as on recordings [m, deg]
+constexpr std::size_t kTenths = 7;                                // tenths of an image that people hide
 
 /** Numbers of sure answers, and of the wrong ones among them. */
 struct Counts {
@@ -41,9 +40,8 @@ struct Counts {
 
   void add(const Localization& answer, const Eigen::Isometry3d& T_w_c) {
     if (answer.state != AnswerState::sure) return;
-    const PoseError error = poseError(*answer.hypotheses.front().T_w_c, T_w_c);
     ++sure;
-    wrong += error.translation > kRight.max_translation || error.rotation_deg > kRight.max_rotation_deg;
+    wrong += !isNear(*answer.hypotheses.front().T_w_c, T_w_c, kRightTranslation, kRightRotationDeg);
   }
 };
 

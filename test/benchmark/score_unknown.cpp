@@ -57,9 +57,8 @@ struct Answer {
 };
 
 bool isRight(const Localization& answer, const Eigen::Isometry3d& T_w_c, const EvaluationParams& params) {
-  if (answer.hypotheses.empty() || !answer.hypotheses.front().T_w_c) return false;
-  const PoseError error = poseError(*answer.hypotheses.front().T_w_c, T_w_c);
-  return error.translation <= params.max_translation && error.rotation_deg <= params.max_rotation_deg;
+  return !answer.hypotheses.empty() && answer.hypotheses.front().T_w_c &&
+         isNear(*answer.hypotheses.front().T_w_c, T_w_c, params.max_translation, params.max_rotation_deg);
 }
 
 /** The wrong places for the views of a map's own models, so that a map with some models less need not ask for
