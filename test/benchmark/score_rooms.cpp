@@ -10,7 +10,8 @@
 // rendered truth, a query is covered if a local model lies within 1 m and 20 deg, and solvable if the true
 // planes of at least 150 px (at 320x240) that it shares with such a model fix all six degrees of freedom to 5
 // cm.
-#include "evaluation/frame_truth.h"
+#include "evaluation/evaluation.h"
+#include "programs.h"
 #include "ranking/global_localization.h"
 
 #include <facetloc/segmentation/view_builder.h>
@@ -29,6 +30,7 @@
 namespace {
 
 using namespace facetloc;
+using benchmarks::percent;
 
 constexpr int kRooms = 20, kQueriesPerRoom = 10, kPlaces = 3, kHeadings = 24;
 constexpr int kAttempts = 500;      // to find a sensible query; a small, crowded room may have none
@@ -36,14 +38,9 @@ constexpr double kFreeView = 1.5;   // distance of the surfaces in view [m]: nea
 constexpr double kClearance = 0.6;  // distance of the robot from walls and boxes [m]
 constexpr CameraMounting kMounting{1.0, 10.0};
 
-constexpr double kCoveredDistance = 1.0, kCoveredRotation = 20 * kDegree;
-constexpr int kSharedPixels = 150;
-constexpr double kSolvableStd = 0.05;  // [m]
-constexpr double kSolvableRotationStd = 3 * kDegree;
-
 struct Answered {
   bool covered = false, solvable = false, none = false, correct = false, rank1 = false;
-  double translation = 0, rotation = 0;  // errors of the first correct hypothesis
+  PoseError error;  // error of the first correct hypothesis
   std::string note;
 };
 
@@ -104,7 +101,7 @@ public:
   }
   TrueSegments trueSegmentsOf(const Eigen::Isometry3d& T_w_c) const {
     const SimulatedFrame frame = small_camera_.renderExact(scene_, T_w_c);
-    return trueSegments(frame.depth, frame.labels, kSharedPixels);
+    return trueSegments(frame.depth, frame.labels, kVisiblePixels);
   }
 
 private:
@@ -126,10 +123,8 @@ Answered judge(const Localization& answer, const Eigen::Isometry3d& truth) {
   a.none = answer.hypotheses.empty();
   a.note = answer.reason;
   for (std::size_t k = 0; k < answer.hypotheses.size() && !a.correct; ++k) {
-    const Eigen::Isometry3d& T = *answer.hypotheses[k].T_w_c;
-    a.translation = (T.translation() - truth.translation()).norm();
-    a.rotation = rotationAngle(T.linear() * truth.linear().transpose());
-    a.correct = a.translation <= 0.2 && a.rotation <= 2 * kDegree;
+    a.error = poseError(*answer.hypotheses[k].T_w_c, truth);
+    a.correct = a.error.translation <= 0.2 && a.error.rotation_deg <= 2;
     a.rank1 = a.correct && k == 0;
   }
   return a;
@@ -168,11 +163,10 @@ std::vector<Answered> localizeInRoom(std::uint64_t seed) {
     const TrueSegments seen = room.trueSegmentsOf(truth);
     for (std::size_t i = 0; i < map->models.size(); ++i) {
       const LocalModel& m = map->models[i];
-      if ((m.T_w_m->translation() - truth.translation()).norm() > kCoveredDistance) continue;
-      if (rotationAngle(m.T_w_m->linear() * truth.linear().transpose()) > kCoveredRotation) continue;
+      if (!isNear(*m.T_w_m, truth, kCoveredDistance, kCoveredRotationDeg)) continue;
       a.covered = true;
-      a.solvable =
-          a.solvable || sharedPlanesSuffice(seen, true_segments[i], kSolvableStd, kSolvableRotationStd);
+      a.solvable = a.solvable || sharedPlanesSuffice(seen, true_segments[i], kSolvablePosition,
+                                                     kSolvableRotationDeg * kDegree);
     }
     answers.push_back(a);
   }
@@ -181,16 +175,16 @@ std::vector<Answered> localizeInRoom(std::uint64_t seed) {
 
 template <typename Filter>
 void report(const char* name, const std::vector<Answered>& answers, Filter counts) {
-  int n = 0, none = 0, correct = 0, rank1 = 0;
-  double translation = 0, rotation = 0;
+  std::size_t n = 0, none = 0, correct = 0, rank1 = 0;
+  double translation = 0, rotation_deg = 0;
   for (const Answered& a : answers) {
     if (!counts(a)) continue;
     ++n, none += a.none, correct += a.correct, rank1 += a.rank1;
-    if (a.correct) translation += a.translation, rotation += a.rotation;
+    if (a.correct) translation += a.error.translation, rotation_deg += a.error.rotation_deg;
   }
-  std::printf("%-9s %6d %8.1f %% %8.1f %% %8.1f %% %8.1f mm %6.2f deg\n", name, n,
-              100.0 * none / std::max(1, n), 100.0 * correct / std::max(1, n), 100.0 * rank1 / std::max(1, n),
-              1000 * translation / std::max(1, correct), rotation / std::max(1, correct) / kDegree);
+  const auto found = static_cast<double>(std::max<std::size_t>(1, correct));
+  std::printf("%-9s %6zu %8.1f %% %8.1f %% %8.1f %% %8.1f mm %6.2f deg\n", name, n, percent(none, n),
+              percent(correct, n), percent(rank1, n), 1000 * translation / found, rotation_deg / found);
 }
 
 }  // namespace
