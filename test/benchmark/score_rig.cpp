@@ -73,28 +73,9 @@ std::vector<Eigen::Isometry3d> statedSides(const Rig& rig) {
   return T_v_c;
 }
 
-struct Tally {
-  int n = 0, free = 0, fixed = 0, sure_one = 0, sure_all = 0, wrong_one = 0, wrong_all = 0;
-  int right = 0, within = 0, right_one = 0, within_one = 0;
-  double nees = 0, nees_one = 0, segment_ms = 0, one_ms = 0, all_ms = 0;
-
-  void add(const Tally& o) {
-    n += o.n, free += o.free, fixed += o.fixed, sure_one += o.sure_one, sure_all += o.sure_all;
-    wrong_one += o.wrong_one, wrong_all += o.wrong_all, right += o.right, within += o.within;
-    right_one += o.right_one, within_one += o.within_one, nees_one += o.nees_one;
-    nees += o.nees, segment_ms += o.segment_ms, one_ms += o.one_ms, all_ms += o.all_ms;
-  }
-  void print(const std::string& name) const {
-    std::printf("%-12s %4d | %4d %4d %5.1f %% | %4d (%d) %4d (%d) | %6.2f %5.1f %% %6.2f %5.1f %% | %6.1f "
-                "%6.1f %6.1f\n",
-                name.c_str(), n, free, fixed, percent(fixed, free), sure_one, wrong_one, sure_all, wrong_all,
-                nees_one / std::max(1, right_one), percent(within_one, right_one), nees / std::max(1, right),
-                percent(within, right), segment_ms / n, one_ms / n, all_ms / n);
-    std::fflush(stdout);
-  }
-};
-
-bool isRight(const Eigen::Isometry3d& T, const Eigen::Isometry3d& truth) { return isNear(T, truth, 0.3, 5); }
+bool isFirstRight(const Localization& answer, const Eigen::Isometry3d& truth) {
+  return !answer.hypotheses.empty() && isNear(*answer.hypotheses[0].T_w_c, truth, 0.3, 5);
+}
 
 /** Squared Mahalanobis distance of the first pose from the truth. */
 double squaredError(const Localization& answer, const Map& map, const Eigen::Isometry3d& truth) {
@@ -103,6 +84,44 @@ double squaredError(const Localization& answer, const Map& map, const Eigen::Iso
   const PoseWithCovariance found = T_w_m * PoseWithCovariance{T_w_m.inverse() * *h.T_w_c, h.T_m_c.P};
   return squaredMahalanobis(found, truth);
 }
+
+/** Answers to the views of the same cameras. */
+struct Answers {
+  int sure = 0, wrong = 0;    // wrong ones among the sure
+  int right = 0, within = 0;  // those in the ellipsoid among the right
+  double nees = 0, ms = 0;
+
+  void add(const Localization& answer, const Map& map, const Eigen::Isometry3d& truth) {
+    const bool is_sure = answer.state == AnswerState::sure, is_right = isFirstRight(answer, truth);
+    sure += is_sure, wrong += is_sure && !is_right;
+    if (!is_right) return;
+    const double d2 = squaredError(answer, map, truth);
+    ++right, nees += d2, within += d2 <= chiSquareQuantile(6, 0.95);
+  }
+  void add(const Answers& o) {
+    sure += o.sure, wrong += o.wrong, right += o.right, within += o.within, nees += o.nees, ms += o.ms;
+  }
+};
+
+struct Tally {
+  int n = 0, free = 0, fixed = 0;
+  double segment_ms = 0;
+  Answers one, all;
+
+  void add(const Tally& o) {
+    n += o.n, free += o.free, fixed += o.fixed, segment_ms += o.segment_ms;
+    one.add(o.one), all.add(o.all);
+  }
+  void print(const std::string& name) const {
+    std::printf("%-12s %4d | %4d %4d %5.1f %% | %4d (%d) %4d (%d) | %6.2f %5.1f %% %6.2f %5.1f %% | %6.1f "
+                "%6.1f %6.1f\n",
+                name.c_str(), n, free, fixed, percent(fixed, free), one.sure, one.wrong, all.sure, all.wrong,
+                one.nees / std::max(1, one.right), percent(one.within, one.right),
+                all.nees / std::max(1, all.right), percent(all.within, all.right), segment_ms / n, one.ms / n,
+                all.ms / n);
+    std::fflush(stdout);
+  }
+};
 
 struct Place {
   std::shared_ptr<const Map> map;
@@ -182,36 +201,21 @@ Tally score(const std::string& name, const std::vector<double>& pans_deg, std::u
     const Eigen::Isometry3d truth = place.queries[i] * rig[0].T_b_c;
     auto start = std::clock();
     const Localization by_one = one.localize(*views[0]);
-    tally.one_ms += milliseconds(start);
+    tally.one.ms += milliseconds(start);
     std::vector<PosedView> others;
     for (std::size_t k = 1; k < rig.size(); ++k)
       others.push_back({views[k], T_v_b * PoseWithCovariance{rig[k].stated.T_b_c(), calibrationError()}});
     all.localize(joined(*views[0], others));  // the views of the map are joined now
     start = std::clock();
     const Localization by_all = all.localize(joined(*views[0], others));
-    tally.all_ms += milliseconds(start);
+    tally.all.ms += milliseconds(start);
 
-    const auto isFirst = [&](const Localization& a) {
-      return !a.hypotheses.empty() && isRight(*a.hypotheses[0].T_w_c, truth);
-    };
     ++tally.n;
     const bool is_free = by_one.state != AnswerState::sure;
-    const bool is_fixed = isFirst(by_all) && by_all.state == AnswerState::sure;
+    const bool is_fixed = isFirstRight(by_all, truth) && by_all.state == AnswerState::sure;
     tally.free += is_free, tally.fixed += is_free && is_fixed;
-    tally.sure_one += by_one.state == AnswerState::sure;
-    tally.sure_all += by_all.state == AnswerState::sure;
-    tally.wrong_one += by_one.state == AnswerState::sure && !isFirst(by_one);
-    tally.wrong_all += by_all.state == AnswerState::sure && !isFirst(by_all);
-    if (isFirst(by_one)) {
-      const double d2 = squaredError(by_one, *place.map, truth);
-      ++tally.right_one, tally.nees_one += d2;
-      tally.within_one += d2 <= chiSquareQuantile(6, 0.95);
-    }
-    if (isFirst(by_all)) {
-      const double d2 = squaredError(by_all, *place.map, truth);
-      ++tally.right, tally.nees += d2;
-      tally.within += d2 <= chiSquareQuantile(6, 0.95);
-    }
+    tally.one.add(by_one, *place.map, truth);
+    tally.all.add(by_all, *place.map, truth);
   }
   return tally;
 }
