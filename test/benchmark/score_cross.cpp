@@ -24,7 +24,6 @@
 #include <array>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,7 +69,7 @@ Input inputOf(const std::string& argument) {
 }
 
 std::string percent(std::size_t n, std::size_t of) {
-  return of == 0 ? "-" : fmt::format("{:.2f} %", 100.0 * static_cast<double>(n) / static_cast<double>(of));
+  return of == 0 ? "-" : fmt::format("{:.2f} %", benchmarks::percent(n, of));
 }
 
 class CrossApp : public App {
@@ -164,8 +163,7 @@ private:
   }
 
   void write(const std::vector<Answer>& answers) const {
-    writeAtomically(csv_, [&](const fs::path& temporary) {
-      std::ofstream out(temporary);
+    writeTextAtomically(csv_, [&](std::ostream& out) {
       out << "map,recording,frame,probability,score\n";
       for (const Answer& a : answers)
         out << fmt::format("{},{},{},{:.6f},{:.3f}\n", a.map, a.recording, a.frame, a.probability, a.score);

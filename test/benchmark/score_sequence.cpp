@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace facetloc;
 using namespace facetloc::internal;
-using benchmarks::MappedPlace, benchmarks::PosedRun;
+using benchmarks::MappedPlace, benchmarks::percent, benchmarks::PosedRun;
 
 constexpr std::array<double, 7> kMetres = {0, 0.5, 1, 2, 3, 4, 5};
 
@@ -54,8 +54,6 @@ Map without(const Map& whole, const std::vector<Eigen::Isometry3d>& way, double 
     });
   });
 }
-
-double ratio(double a, double b) { return b > 0 ? 100 * a / b : 0; }
 
 class ScoreSequenceApp : public App {
 public:
@@ -168,10 +166,11 @@ private:
     std::printf("%s: %zu starts, %d whole; ever sure and wrong %.2f %%; of all images sure %.1f %%, right of "
                 "these %.2f %%, rank 1 %.1f %%; "
                 "searched %.1f %%, carried away %.2f %%, %.1f places, %.1f ms an image\n",
-                name.c_str(), courses.size(), whole, ratio(ever_wrong, courses.size()),
-                ratio(sum.sure, sum.images), ratio(sum.sure_right, sum.sure), ratio(sum.rank1, sum.images),
-                ratio(sum.searches, sum.images), ratio(sum.carried, sum.images),
-                double(sum.places) / std::max(1, sum.images), sum.milliseconds / std::max(1, sum.images));
+                name.c_str(), courses.size(), whole, percent(ever_wrong, courses.size()),
+                percent(sum.sure, sum.images), percent(sum.sure_right, sum.sure),
+                percent(sum.rank1, sum.images), percent(sum.searches, sum.images),
+                percent(sum.carried, sum.images), double(sum.places) / std::max(1, sum.images),
+                sum.milliseconds / std::max(1, sum.images));
     for (std::size_t m = 0; m < kMetres.size(); ++m) {
       int n = 0, sure = 0, right = 0, doubtful = 0;
       for (const Course& c : courses) {
@@ -182,7 +181,7 @@ private:
         right += c.state[m] == AnswerState::sure && c.right[m];
       }
       std::printf("  after %.1f m: sure %5.1f %% (right %6.2f %%), doubtful %.1f %%\n", kMetres[m],
-                  ratio(sure, n), ratio(right, sure), ratio(doubtful, n));
+                  percent(sure, n), percent(right, sure), percent(doubtful, n));
     }
     std::fflush(stdout);
   }
