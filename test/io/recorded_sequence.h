@@ -14,7 +14,7 @@
 namespace facetloc::test {
 
 /** \brief Six images that a test writes as recordings of other programs and reads again. */
-class RecordedSequence : public testing::Test {
+class RecordedSequence : public InAFolder {
 protected:
   RecordedSequence() { example_.frames = 6; }
   void writeSequence() { sequence_.emplace(DepthSequence::open(example_.write(folder_ / "sequence"))); }
@@ -58,7 +58,6 @@ protected:
       EXPECT_TRUE(read.at(pose.stamp, 1e-5)->isApprox(pose.T_w_c, tolerance)) << words;
   }
 
-  TemporaryFolder folder_;
   ExampleSequence example_;
   std::optional<DepthSequence> sequence_;
 
