@@ -56,14 +56,13 @@ inline void expectEqualModels(const Map& a, const Map& b) {
 }
 
 /** \brief A map file that each test writes and reads. */
-class MapFile : public testing::Test {
+class MapFile : public InAFolder {
 protected:
   std::string readError() const {
     return ioErrorOf([this] { readMap(path_); });
   }
   void writeExample(int models = 3) const { writeMap(path_, ExampleMap().map(models)); }
 
-  TemporaryFolder folder_;
   std::filesystem::path path_ = folder_ / "room.flmap";
 };
 

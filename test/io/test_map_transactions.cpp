@@ -2,6 +2,8 @@
 // Programs that are killed, disks that are full, and several who use a map at once.
 #include "map_file.h"
 
+#include <facetloc/testing/full_disk.h>
+
 #include <sqlite3.h>
 
 #include <atomic>
@@ -9,7 +11,6 @@
 #include <csignal>
 #include <random>
 #include <stdexcept>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -21,19 +22,10 @@ namespace {
 TEST_F(MapFile, AFullDiskLeavesTheOldMap) {
   writeExample();
   const std::string before = bytesOf(path_);
-  // A limit of file sizes stands in for a full disk.
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    const struct rlimit limit = {32768, 32768};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    const bool failed = !ioErrorOf([this] { writeMap(path_, ExampleMap().map(60)); }).empty();
-    _exit(failed ? 0 : 1);
+  {
+    const FullDisk full(32768);
+    EXPECT_NE(ioErrorOf([this] { writeMap(path_, ExampleMap().map(60)); }), "");
   }
-  int status = -1;
-  waitpid(child, &status, 0);
-  EXPECT_EQ(status, 0);
   EXPECT_EQ(bytesOf(path_), before);
   EXPECT_EQ(folder_.count(), 1);
 }
@@ -147,23 +139,9 @@ TEST_F(MapFile, AReaderSeesOneSnapshotDespiteWriters) {
 }
 
 TEST_F(MapFile, AMapThatCannotBeCreatedLeavesNoFile) {
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    const rlimit none = {4096, 4096};  // less than a map takes
-    std::signal(SIGXFSZ, SIG_IGN);
-    setrlimit(RLIMIT_FSIZE, &none);
-    try {
-      MapDatabase::create(path_);
-    } catch (const IoError&) {
-      _exit(std::filesystem::exists(path_) ? 2 : 0);
-    }
-    _exit(1);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const FullDisk full(4096);  // less than a map takes
+  EXPECT_THROW(MapDatabase::create(path_), IoError);
+  EXPECT_FALSE(std::filesystem::exists(path_));
 }
 
 TEST_F(MapFile, ManyReadersAtOnce) {
