@@ -104,8 +104,6 @@ TEST(Camera, ANoisierImageIsReported) {
   EXPECT_THAT(words(noisy, robotCamera()), ElementsAre(HasSubstr("2.0 times as noisy")));
 }
 
-using testing::HasSubstr;
-
 TEST(DepthNoise, IsTheSumOfItsPartsInDepthAndInInverseDepth) {
   DepthNoise noise;
   noise.inverse_depth_std = 0.001, noise.depth_std = 0.004, noise.depth_std_slope = 0.002;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/features/camera_model.h>
 #include <facetloc/features/params.h>
-
-#include <gmock/gmock.h>
+#include <facetloc/testing/matchers.h>
 
 #include <limits>
 #include <string>
@@ -11,7 +10,7 @@
 namespace facetloc {
 namespace {
 
-using testing::ElementsAre, testing::HasSubstr;
+using test::HasAll, test::messageOf, testing::ElementsAre, testing::HasSubstr;
 
 struct Inner {
   static constexpr const char* kTitle = "Inner things";
@@ -51,12 +50,8 @@ struct Painted {
 TEST(Params, AChoiceIsKnownByItsName) {
   EXPECT_EQ(numberText(Colour::red), "red");
   EXPECT_EQ(choiceOf<Colour>("green"), Colour::green);
-  try {
-    choiceOf<Colour>("blue");
-    FAIL();
-  } catch (const std::invalid_argument& e) {
-    EXPECT_STREQ(e.what(), "'blue' is none of: red, green");
-  }
+  EXPECT_EQ(messageOf<std::invalid_argument>([] { choiceOf<Colour>("blue"); }),
+            "'blue' is none of: red, green");
   EXPECT_THAT(toIni(Painted{}, "paint"), HasSubstr("[paint]\ncolour = green\n"));
   Painted painted;
   EXPECT_NO_THROW(checkRanges(painted));
@@ -108,21 +103,11 @@ TEST(Params, DefaultsAreValid) { EXPECT_NO_THROW(checkRanges(SensorNoise{})); }
 TEST(Params, TheFirstFieldOutsideItsRangeIsNamed) {
   SensorNoise p;
   p.distortion_offset = 1.5, p.depth_std_slope = -1;
-  try {
-    checkRanges(p);
-    FAIL() << "1.5 was accepted";
-  } catch (const std::invalid_argument& e) {
-    EXPECT_THAT(e.what(), HasSubstr("distortion_offset = 1.5"));
-    EXPECT_THAT(e.what(), HasSubstr("[0, 1]"));
-  }
+  EXPECT_THAT(messageOf<std::invalid_argument>([&] { checkRanges(p); }),
+              HasAll("distortion_offset = 1.5", "[0, 1]"));
   Outer outer;
   outer.inner.width = 11;
-  try {
-    checkRanges(outer);
-    FAIL() << "11 was accepted";
-  } catch (const std::invalid_argument& e) {
-    EXPECT_THAT(e.what(), HasSubstr("inner.width = 11"));
-  }
+  EXPECT_THAT(messageOf<std::invalid_argument>([&] { checkRanges(outer); }), HasSubstr("inner.width = 11"));
 }
 
 TEST(Params, NotANumberIsOutsideEveryRange) {
