@@ -16,7 +16,7 @@ ToolRun runMap(const std::vector<std::string>& arguments);
 
 /** \brief One simulated room for the tests of all tools (defined in test_tools.cpp); each test writes to a
  * folder of its own. */
-class Tools : public testing::Test {
+class Tools : public InAFolder {
 protected:
   static void SetUpTestSuite();
   static void TearDownTestSuite() { room_.reset(); }
@@ -30,8 +30,6 @@ protected:
   std::string withOneCorruptImage() const;
   /** Those of the other run, under the names that are there. */
   static void giveOtherImages(const std::string& input);
-
-  TemporaryFolder folder_;
 
 private:
   static std::unique_ptr<TemporaryFolder> room_;

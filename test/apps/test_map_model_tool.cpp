@@ -23,9 +23,8 @@ TEST_F(Tools, ModelBecomesAMap) {
   const fs::path model(folder_ / "room.obj");
   writeRoom(model, 1000);
   const std::string map = folder_ / "room.flmap";
-  const auto made = runMap({"from-model", model.string(), "-o", map, "--units", "mm", "--up", "y", "--height",
-                            "1", "--spacing", "2"});
-  ASSERT_EQ(made.code, kOk) << made.err;
+  const auto made = ok(runMap({"from-model", model.string(), "-o", map, "--units", "mm", "--up", "y",
+                               "--height", "1", "--spacing", "2"}));
   EXPECT_THAT(made.out, HasSubstr("12 triangles of 5.00 x 2.50 x 4.00 m"));
   ok(runMap({"check", map}));
   EXPECT_THAT(runMap({"info", map}).out, HasSubstr("made of: a model"));
@@ -61,8 +60,7 @@ TEST_F(Tools, ModelWithoutAClearUpwardDirectionAsksForIt) {
   std::ofstream(model) << "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 3 3 0\nv 0 0 3\nv 3 0 3\nv 0 3 3\nv 3 3 3\n"
                           "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
   const auto made = runMap({"from-model", model.string(), "-o", folder_ / "cube.flmap", "--up", "auto"});
-  EXPECT_EQ(made.code, kFailed);
-  EXPECT_THAT(made.err, HasSubstr("do not show which direction is up"));
+  EXPECT_THAT(made, fails("do not show which direction is up"));
   for (const char* option : {"--up=x", "--up=y", "--up=z"}) EXPECT_THAT(made.err, HasSubstr(option));
   const auto closed = runMap(
       {"from-model", model.string(), "-o", folder_ / "cube.flmap", "--spacing", "3", "--turn_deg", "60"});
@@ -105,11 +103,10 @@ TEST_F(Tools, ModelsOfImpossibleSizeAreRefusedBeforeTheWork) {
   const fs::path viewpoints(folder_ / "poses.txt");
   std::ofstream(viewpoints) << "0 2 1 2 0 0 0 1\n";
   const std::string map = folder_ / "size.flmap", findings = folder_ / "findings.json";
-  const auto made = [&](double per_metre, std::vector<std::string> more) {
+  const auto made = [&](double per_metre, const Arguments& more) {
     writeRoom(model, per_metre);
-    more.insert(more.begin(),
-                {"from-model", model.string(), "-o", map, "--overwrite", "--findings", findings});
-    return runMap(more);
+    return runMap(Arguments{"from-model", model.string(), "-o", map, "--overwrite", "--findings", findings} +
+                  more);
   };
   const std::string given = viewpoints.string(), refused = "cannot be right as it is read";
   for (const auto& [per_metre, words] :
@@ -118,24 +115,19 @@ TEST_F(Tools, ModelsOfImpossibleSizeAreRefusedBeforeTheWork) {
         {1 / 0.0254, "its rooms are 98 m high; is its unit in? --units in"},
         {0.001, "it is only 0.005 x 0.0025 x 0.004 m large"}}) {
     fs::remove(map);
-    const auto run = made(per_metre, {"--viewpoints", given});
-    EXPECT_EQ(run.code, kFailed);
-    EXPECT_THAT(run.err, HasAll(refused, words, "--units m or --force"));
+    EXPECT_THAT(made(per_metre, {"--viewpoints", given}), fails(refused, words, "--units m or --force"));
     EXPECT_FALSE(fs::exists(map) && fs::file_size(map) > 0);
     std::ifstream in(findings);
     EXPECT_THAT(std::string(std::istreambuf_iterator<char>(in), {}), HasAll("model.units", "refusal"));
     for (const std::vector<std::string>& meant : {std::vector<std::string>{"--force"}, {"--units", "m"}}) {
-      std::vector<std::string> arguments{"--viewpoints", given};
-      arguments.insert(arguments.end(), meant.begin(), meant.end());
-      const auto forced = made(per_metre, arguments);
+      const auto forced = made(per_metre, Arguments{"--viewpoints", given} + meant);
       EXPECT_THAT(forced.err, HasSubstr(words));
       EXPECT_THAT(forced.err, Not(HasSubstr(refused)));
     }
   }
   EXPECT_THAT(made(10, {"--viewpoints", given}).err, HasAll("25 m high", Not(HasSubstr(refused))));
-  const auto large = made(3, {"--up", "y", "--spacing", "0.1"});
-  EXPECT_EQ(large.code, kFailed);
-  EXPECT_THAT(large.err, HasAll("a camera can be at about", "more than 20000", "--spacing 0.5", "--force"));
+  EXPECT_THAT(made(3, {"--up", "y", "--spacing", "0.1"}),
+              fails("a camera can be at about", "more than 20000", "--spacing 0.5", "--force"));
 }
 
 TEST_F(Tools, ModelOptionsThatViewpointsMakeUselessAreRefused) {
@@ -143,10 +135,9 @@ TEST_F(Tools, ModelOptionsThatViewpointsMakeUselessAreRefused) {
   writeRoom(model, 1);
   for (const std::vector<std::string>& option :
        {std::vector<std::string>{"--height", "1"}, {"--up", "y"}, {"--inside", "1,1,1"}}) {
-    const auto refused = runMap({"from-model", model.string(), "-o", folder_ / "no.flmap", "--viewpoints",
-                                 folder_ / "poses.txt", option[0], option[1]});
-    EXPECT_EQ(refused.code, kUsage);
-    EXPECT_THAT(refused.err, HasSubstr("viewpoints names them"));
+    EXPECT_THAT(runMap({"from-model", model.string(), "-o", folder_ / "no.flmap", "--viewpoints",
+                        folder_ / "poses.txt", option[0], option[1]}),
+                refuses("viewpoints names them"));
   }
 }
 
@@ -163,10 +154,7 @@ TEST_F(Tools, AnInvalidModelLeavesNoMap) {
   EXPECT_FALSE(fs::exists(map) && fs::file_size(map) > 0);
 }
 
-class FloorPlanTools : public testing::Test {
-protected:
-  TemporaryFolder folder_;
-};
+using FloorPlanTools = InAFolder;
 
 /** A plan becomes a map, and the map a plan. */
 TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
