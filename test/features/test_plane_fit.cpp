@@ -24,6 +24,12 @@ PlaneMoments momentsOf(const std::vector<Pixel>& pixels) {
   return m;
 }
 
+/** All sums: of pixels, of coordinates and disparities, and of their products. */
+std::vector<double> sumsOf(const PlaneMoments& m) {
+  return {double(m.n),  double(m.u),  double(m.v),  double(m.d),  double(m.uu),
+          double(m.uv), double(m.vv), double(m.ud), double(m.vd), double(m.dd)};
+}
+
 std::vector<Pixel> randomPixels(Rng& rng, int n, const PixelPlane& plane, double noise) {
   std::vector<Pixel> pixels;
   for (int i = 0; i < n; ++i) {
@@ -104,16 +110,7 @@ TEST(PlaneMoments, OfAUnionAreTheSum) {
     (i % 3 ? first : second).push_back(p);
   }
   const PlaneMoments whole = momentsOf(all), sum = momentsOf(first) + momentsOf(second);
-  EXPECT_EQ(sum.n, whole.n);
-  EXPECT_EQ(sum.u, whole.u);
-  EXPECT_EQ(sum.v, whole.v);
-  EXPECT_EQ(sum.d, whole.d);
-  EXPECT_EQ(sum.uu, whole.uu);
-  EXPECT_EQ(sum.uv, whole.uv);
-  EXPECT_EQ(sum.vv, whole.vv);
-  EXPECT_EQ(sum.ud, whole.ud);
-  EXPECT_EQ(sum.vd, whole.vd);
-  EXPECT_EQ(sum.dd, whole.dd);
+  EXPECT_EQ(sumsOf(sum), sumsOf(whole));
   EXPECT_EQ(sum.fit().sse, whole.fit().sse);
 }
 
@@ -146,17 +143,7 @@ TEST(PlaneMoments, ShiftedOnesAreThoseOfTheShiftedPixels) {
     here.add(u, v, d);
     there.add(u + 310, v + 47, d);
   }
-  const PlaneMoments m = here.shifted(310, 47);
-  EXPECT_EQ(m.n, there.n);
-  EXPECT_EQ(m.u, there.u);
-  EXPECT_EQ(m.v, there.v);
-  EXPECT_EQ(m.uu, there.uu);
-  EXPECT_EQ(m.uv, there.uv);
-  EXPECT_EQ(m.vv, there.vv);
-  EXPECT_DOUBLE_EQ(m.d, there.d);
-  EXPECT_DOUBLE_EQ(m.ud, there.ud);
-  EXPECT_DOUBLE_EQ(m.vd, there.vd);
-  EXPECT_DOUBLE_EQ(m.dd, there.dd);
+  EXPECT_THAT(sumsOf(here.shifted(310, 47)), testing::Pointwise(testing::DoubleEq(), sumsOf(there)));
 }
 
 }  // namespace
