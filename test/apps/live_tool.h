@@ -30,7 +30,7 @@ std::vector<std::string> namesIn(const std::string& folder);
 void expectWholeResults(const std::string& folder, std::size_t least_frames);
 
 /** \brief One simulated room and its map for all tests of the live tool (defined in test_live_app.cpp). */
-class LiveTool : public testing::Test {
+class LiveTool : public InAFolder {
 protected:
   static void SetUpTestSuite();
   static void TearDownTestSuite() { room_.reset(); }
@@ -42,8 +42,6 @@ protected:
   std::string writeClouds(std::size_t n) const;
   /** The first images of the sequence as a folder of PCLZF files. */
   std::string writePclzf(std::size_t n) const;
-
-  TemporaryFolder folder_;
 
 private:
   static std::unique_ptr<TemporaryFolder> room_;

@@ -24,9 +24,7 @@ TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
                      "TABLE II.", "class=\"plan\"", "Fig. 5"));
   const Raster<std::uint8_t> examples = readRgbPng(folder_ / "results/evaluation/fig5.png");
   EXPECT_GT(examples.height, examples.width / 2) << "four rows of two runs";
-  auto again = arguments;
-  again.insert(again.end(), {"-o", folder_ / "again"});
-  ok(runTool<evaluateApp>(again));
+  ok(runTool<evaluateApp>(arguments + Arguments{"-o", folder_ / "again"}));
   for (const char* file : {"tables.csv", "frames.csv", "fig6.csv", "errors.csv", "timing_summary.csv"})
     EXPECT_EQ(contentOf(folder_ / "results/evaluation/" + file), contentOf(folder_ / "again/" + file))
         << file;
@@ -67,8 +65,7 @@ TEST_F(Tools, EvaluateAlignsResultsOfAnotherWorld) {
                               "Absolute trajectory error of all sure answers: RMSE"));
   ok(runTool<evaluateApp>({results, query(), "--map", map(), "-o", folder_ / "own"}));
   const auto correct = [&](const std::string& evaluation) {
-    std::istringstream lines(contentOf(folder_ / evaluation + "/tables.csv"));
-    for (std::string line; std::getline(lines, line);)
+    for (const std::string& line : linesIn(contentOf(folder_ / evaluation + "/tables.csv")))
       if (line.rfind("beyond,,Rank 1 correct,", 0) == 0)
         return std::stoi(line.substr(line.find(",,", 8) + 2));
     return -1;
@@ -95,8 +92,7 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
   const std::size_t all = poses.size();
   for (StampedPose& pose : poses) pose.T_w_c.translation() *= 1.01;
   writeTumTrajectory(estimate, poses);
-  ToolRun run = runTool<evaluateApp>({estimate, map_run()});
-  ASSERT_EQ(run.code, kOk) << run.err;
+  ToolRun run = ok(runTool<evaluateApp>({estimate, map_run()}));
   EXPECT_THAT(run.out, HasAll(std::to_string(all) + " poses over", "ABSOLUTE TRAJECTORY ERROR",
                               "position [mm]", "over 1 s [mm]"));
   EXPECT_THAT(lastLine(run.out), HasSubstr(folder_ / "walk_evaluation"));
@@ -106,9 +102,8 @@ TEST_F(Tools, EvaluateJudgesATrajectory) {
   const std::string csv = contentOf(folder_ / "walk_evaluation/trajectory_errors.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), all + 1);
 
-  run = runTool<evaluateApp>({estimate, query()});  // another run, at other times
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasAll("walk.txt", "0 pairs"));
+  EXPECT_THAT(runTool<evaluateApp>({estimate, query()}),
+              fails("walk.txt", "0 pairs"));  // another run, at other times
   poses.resize(2);
   writeTumTrajectory(estimate, poses);
   EXPECT_THAT(runTool<evaluateApp>({estimate, truth}).err, HasSubstr("2 pairs"));
@@ -153,9 +148,8 @@ TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   const std::string results = folder_ / "results";
   ok(runTool<localizeApp>({map(), query(), "-o", results}));
   ok(runMap({"build", query(), "-o", folder_ / "other.flmap"}));
-  ToolRun run = runTool<evaluateApp>({results, query(), "--map", folder_ / "other.flmap"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("of another map"));
+  EXPECT_THAT(runTool<evaluateApp>({results, query(), "--map", folder_ / "other.flmap"}),
+              fails("of another map"));
   EXPECT_FALSE(fs::exists(results + "/evaluation"));
 
   const std::string hypotheses = contentOf(results + "/hypotheses.csv");
@@ -164,14 +158,10 @@ TEST_F(Tools, EvaluateNamesFaultsOfItsInput) {
   for (std::size_t at; (at = doubtful.find(",sure")) != std::string::npos;)
     doubtful.replace(at, 5, ",doubtful");
   writeContent(results + "/hypotheses.csv", doubtful);
-  run = runTool<evaluateApp>({results, query(), "--align"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("has 0 sure answers"));
+  EXPECT_THAT(runTool<evaluateApp>({results, query(), "--align"}), fails("has 0 sure answers"));
 
   writeContent(results + "/hypotheses.csv", header);
-  run = runTool<evaluateApp>({results, query()});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("contains no results of any image"));
+  EXPECT_THAT(runTool<evaluateApp>({results, query()}), fails("contains no results of any image"));
   EXPECT_EQ(runTool<evaluateApp>({folder_ / "nowhere", query()}).code, kFailed);
 }
 

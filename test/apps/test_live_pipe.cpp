@@ -41,11 +41,9 @@ protected:
 TEST_F(LivePipe, IsTheSameAsTheFolder) {
   const std::string common = " --every-frame --map " + map() + " --results ";
   const std::string by_pipe = folder_ / "pipe", by_folder = folder_ / "folder";
-  const ToolRun piped = Process(shell(replay(sequence(), "0") + " | " + live(common + by_pipe))).wait();
-  ASSERT_EQ(piped.code, 0) << piped.err;
-  const ToolRun played = runLive({"--device", sequence(), "--speed", "0", "--headless", "--every-frame",
-                                  "--map", map(), "--results", by_folder});
-  ASSERT_EQ(played.code, 0) << played.err;
+  const ToolRun piped = ok(Process(shell(replay(sequence(), "0") + " | " + live(common + by_pipe))).wait());
+  ok(runLive({"--device", sequence(), "--speed", "0", "--headless", "--every-frame", "--map", map(),
+              "--results", by_folder}));
   EXPECT_THAT(piped.err + piped.out, HasSubstr("40 frames received, 40 processed, 0 dropped"));
   EXPECT_EQ(contentOf(by_pipe + "/hypotheses.csv"), contentOf(by_folder + "/hypotheses.csv"));
 }
@@ -62,12 +60,10 @@ TEST_F(LivePipe, ATornFrameEndsWithItsNumberAndKeepsEarlierOnes) {
   const std::string results = folder_ / "results", bytes = folder_ / "bytes";
   ASSERT_EQ(Process(shell(replay(sequence(), "0") + " > " + bytes)).wait().code, 0);
   fs::resize_file(bytes, fs::file_size(bytes) - 1000);
-  const ToolRun run = Process(shell("cat " + bytes + " | " +
-                                    live("--every-frame --wait --map " + map() + " --results " + results)))
-                          .wait();
-  EXPECT_EQ(run.code, 1);
-  EXPECT_THAT(run.err,
-              HasSubstr("standard input: frame 40: is torn: the pipe ends 1000 bytes before its last"));
+  EXPECT_THAT(Process(shell("cat " + bytes + " | " +
+                            live("--every-frame --wait --map " + map() + " --results " + results)))
+                  .wait(),
+              fails("standard input: frame 40: is torn: the pipe ends 1000 bytes before its last"));
   expectWholeResults(results, 39);
 }
 
@@ -94,8 +90,7 @@ TEST_F(LivePipe, TakesLinesOfTheRobot) {
                                        << R"({"pose":5})"
                                        << "\n"
                                        << contentOf(bytes);
-  const ToolRun run = Process(shell("cat " + all + " | " + live("--every-frame --map " + map()))).wait();
-  EXPECT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(Process(shell("cat " + all + " | " + live("--every-frame --map " + map()))).wait());
   EXPECT_THAT(run.err + run.out, HasSubstr("standard input: line 2: its pose cannot be used"));
 }
 
@@ -108,8 +103,7 @@ TEST_F(LivePipe, IsSupervised) {
                         " --device - --every-frame"));
   ASSERT_TRUE(eventually([&] { return running.out().find(" go ") != std::string::npos; })) << running.err();
   kill(std::stoi(running.out().substr(running.out().find("start ") + 6)), SIGKILL);
-  const ToolRun run = running.wait();
-  EXPECT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(running.wait());
   const auto second = run.out.find("start ", run.out.find("start ") + 1);
   ASSERT_NE(second, std::string::npos) << run.out;
   EXPECT_NE(run.out.find(" go ", second), std::string::npos) << run.out << run.err;
@@ -126,9 +120,8 @@ TEST_F(LivePipe, RawFramesOfAVideoDeviceAreReadAsOne) {
     }
   out.close();
   const std::string results = folder_ / "results";
-  const ToolRun run = runLive({"--device", raw, "--camera", sequence() + "/camera.ini", "--headless",
-                               "--every-frame", "--map", map(), "--results", results});
-  ASSERT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(runLive({"--device", raw, "--camera", sequence() + "/camera.ini", "--headless",
+                                  "--every-frame", "--map", map(), "--results", results}));
   EXPECT_EQ(readTrajectory(results + "/poses_tum.txt").poses().size(), 10u) << run.out;
 }
 
