@@ -24,8 +24,7 @@ std::vector<std::string> liveCommand(const std::vector<std::string>& arguments, 
   else
     command.push_back("DISPLAY=" + display);
   command.push_back(kLiveTool);
-  command.insert(command.end(), arguments.begin(), arguments.end());
-  return command;
+  return command + arguments;
 }
 
 ToolRun runLive(const std::vector<std::string>& arguments) { return LiveProcess(arguments).wait(); }
@@ -34,8 +33,7 @@ std::vector<std::string> linesOf(const std::string& path) { return linesIn(conte
 
 std::vector<std::string> namesIn(const std::string& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
+  for (const fs::path& path : filesOf(folder)) names.push_back(path.filename().string());
   return names;
 }
 

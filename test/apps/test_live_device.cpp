@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Devices that are missing, come later or send nothing; the end of a run, and its files.
-
 #include "live_tool.h"
 
 #include <facetloc/io/results.h>
@@ -14,9 +13,8 @@ using Clock = std::chrono::steady_clock;
 
 TEST_F(LiveTool, SaysThatADeviceIsMissing) {
   const auto start = Clock::now();
-  const ToolRun run = runLive({"--device", "vanished://camera", "--headless"});
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("facetloc_live: vanished://camera"));
+  EXPECT_THAT(runLive({"--device", "vanished://camera", "--headless"}),
+              fails("facetloc_live: vanished://camera"));
   EXPECT_LT(Clock::now() - start, kPatience / 2);
   EXPECT_THAT(runLive({"--device", folder_ / "nothing.oni", "--headless"}), fails("nothing.oni"));
   EXPECT_THAT(runLive({"--device", "runs/mistyped", "--headless"}), fails("runs/mistyped: does not exist"));
@@ -39,18 +37,13 @@ TEST_F(LiveTool, WaitsForADeviceForALimitedTime) {
 
 TEST_F(LiveTool, SaysThatNoFrameComes) {
   const std::string images = writePclzf(3), results = folder_ / "results";
-  const std::vector<std::string> slow = {"--device", images, "--headless", "--speed", "0.001"};
-  std::vector<std::string> arguments = slow;
-  arguments.insert(arguments.end(), {"--results", results});
-  const ToolRun run = runLive(arguments);
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("no frame for 3 s"));
+  const Arguments slow = {"--device", images, "--headless", "--speed", "0.001"};
+  const ToolRun run = runLive(slow + Arguments{"--results", results});
+  EXPECT_THAT(run, fails("no frame for 3 s"));
   EXPECT_THAT(lastLine(run.out), HasSubstr("1 processed"));
   expectWholeResults(results, 1);
 
-  arguments = slow;
-  arguments.push_back("--wait");
-  LiveProcess patient(arguments);
+  LiveProcess patient(slow + Arguments{"--wait"});
   ASSERT_TRUE(eventually([&] { return patient.err().find("waiting for it") != std::string::npos; }));
   patient.signal(SIGINT);
   ok(patient.wait());

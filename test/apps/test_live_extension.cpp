@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Effects of a live run on the next one: a map that was made or has grown, and the last sure pose.
-
 #include "inputs/robot_line.h"
 #include "live/remembered_pose.h"
 #include "live_tool.h"
@@ -118,8 +117,7 @@ protected:
 TEST_F(LiveExtensionTool, AddsPlacesThatTheMapLacks) {
   const std::string grown = mapOfBegin(16);
   const std::size_t before = openMap(grown).models.size();
-  const ToolRun run = runLive(extend(grown, "0"));
-  ASSERT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(runLive(extend(grown, "0")));
   EXPECT_THAT(run.out + run.err, HasSubstr("is brought up to date with"));
   EXPECT_FALSE(fs::exists(grown + ".session"));
   const Map map = readMap(grown);
@@ -132,8 +130,7 @@ TEST_F(LiveExtensionTool, AddsPlacesThatTheMapLacks) {
     EXPECT_TRUE(isNear(*truth, *model.T_w_m, 0.05, 1)) << model.name;
   }
   // The same again shows nothing new.
-  const ToolRun again = runLive(extend(grown, "0"));
-  ASSERT_EQ(again.code, 0) << again.err;
+  const ToolRun again = ok(runLive(extend(grown, "0")));
   EXPECT_LE(openMap(grown).models.size(), map.models.size() + 1) << again.out;
 }
 
@@ -152,8 +149,7 @@ TEST_F(LiveExtensionTool, TakesUpTheImagesOfAKilledRun) {
   }
   EXPECT_EQ(openMap(grown).models.size(), before) << "and the map is as it was";
   ASSERT_TRUE(fs::exists(images));
-  const ToolRun next = runLive(extend(grown, "0"));
-  ASSERT_EQ(next.code, 0) << next.err;
+  const ToolRun next = ok(runLive(extend(grown, "0")));
   const std::string words = next.out + next.err;
   const auto first = words.find("is brought up to date with");
   ASSERT_NE(first, std::string::npos) << words;
@@ -175,8 +171,7 @@ TEST_F(LiveExtensionTool, RemembersItsPose) {
   std::ofstream(file) << pose;
   EXPECT_THAT(runLive(arguments).err, HasSubstr("the map has no part 'cellar'")) << "so it is begun there";
   std::ofstream(file) << "torn";
-  const ToolRun run = runLive(arguments);
-  EXPECT_EQ(run.code, 0);
+  const ToolRun run = ok(runLive(arguments));
   EXPECT_THAT(run.err, HasSubstr("last.json: holds no pose of an earlier run"));
 }
 

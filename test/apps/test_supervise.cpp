@@ -23,18 +23,16 @@ struct Command {
 };
 
 std::vector<std::string> linesWith(const std::string& text, const std::string& begin) {
-  std::istringstream in(text);
   std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);)
+  for (const std::string& line : linesIn(text))
     if (line.compare(0, begin.size(), begin) == 0) lines.push_back(line);
   return lines;
 }
 
 /** Commands since the last start of facetloc_live. */
 std::vector<Command> commandsOf(const std::string& out) {
-  std::istringstream in(out);
   std::vector<Command> commands;
-  for (std::string line; std::getline(in, line);) {
+  for (const std::string& line : linesIn(out)) {
     if (line.compare(0, 5, "start") == 0) commands.clear();
     std::istringstream words(line);
     Command c;
@@ -85,8 +83,7 @@ TEST_F(LiveTool, IsSupervisedForADay) {
     return std::vector<std::string>{"/usr/bin/env", "python3", kSupervise,     map, "--device", device,
                                     "--speed",      speed,     "--every-frame"};
   };
-  const ToolRun mapping = Process(supervise(sequence(), "0")).wait();
-  ASSERT_EQ(mapping.code, 0) << mapping.err;
+  const ToolRun mapping = ok(Process(supervise(sequence(), "0")).wait());
   ASSERT_TRUE(fs::exists(map));
   EXPECT_GE(linesWith(mapping.out, "").size(), 40u);
 
@@ -108,8 +105,7 @@ TEST_F(LiveTool, IsSupervisedForADay) {
   const std::string first = linesWith(running.out(), "start").at(0);
   EXPECT_THAT(first, HasSubstr(" --near=")) << "where it was in the evening";
   kill(std::stoi(first.substr(6)), SIGKILL);
-  const ToolRun run = running.wait();
-  ASSERT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(running.wait());
   const auto starts = linesWith(run.out, "start");
   ASSERT_EQ(starts.size(), 2u);
   EXPECT_THAT(starts[1], HasSubstr(" --near="));
