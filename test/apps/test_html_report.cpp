@@ -259,8 +259,7 @@ TEST_F(EvaluationHtml, DrawsItsChartsInABrowser) {
               "&& data[i + 3] > 200;"
               "canvas.setAttribute('data-drawn', n > 20 ? 'yes' : 'no'); }</script>");
   writeContent(folder_ / "visited.html", html);
-  const ToolRun run = browser.elementsOf(folder_ / "visited.html");
-  EXPECT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(browser.elementsOf(folder_ / "visited.html"));
   EXPECT_THAT(Browser::consoleOf(run), testing::IsEmpty());
   EXPECT_EQ(countOf(run.out, "data-drawn=\"yes\""), 5u);
   EXPECT_EQ(countOf(run.out, "data-drawn=\"no\""), 0u);

@@ -112,7 +112,7 @@ TEST(RobotLine, ThatCannotBeObeyedSaysWhy) {
   EXPECT_THAT(faultOfLine("{\"relocalize\":1}"), HasSubstr("neither true nor false"));
 }
 
-class OdometryFiles : public testing::Test {
+class OdometryFiles : public InAFolder {
 protected:
   std::string put(const std::string& content) const {
     std::ofstream(folder_ / "odometry") << content;
@@ -121,7 +121,6 @@ protected:
   static std::optional<Eigen::Isometry3d> at(OdometryInput& input, double stamp) {
     return input.at(stamp, Clock::now());
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(OdometryFiles, InterpolatePosesBetweenTheirStamps) {
@@ -219,9 +218,7 @@ TEST_F(LiveOdometry, IsReadFromAFileAndFromStandardInput) {
     const std::string command = std::string(kLiveTool) + " --device '" + sequence() + "' --map '" + map() +
                                 "' --headless --odometry ";
     for (const std::string& source : {odometry(key), "- < '" + odometry(key) + "'"}) {
-      Process process({"/bin/sh", "-c", command + source});
-      const ToolRun run = process.wait();
-      ASSERT_EQ(run.code, 0) << run.err;
+      const ToolRun run = ok(Process({"/bin/sh", "-c", command + source}).wait());
       EXPECT_THAT(run.out, HasSubstr("with odometry")) << run.err;
       EXPECT_THAT(run.out, HasSubstr("tracking"));
     }

@@ -89,13 +89,10 @@ protected:
   static void SetUpTestSuite() {
     if (!available()) return;
     room_ = std::make_unique<TemporaryFolder>();
-    ToolRun run = runTool<simulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames",
-                                        std::to_string(kFrames), "--width", "320", "--drive.turn_deg", "8"});
-    ASSERT_EQ(run.code, kOk) << run.err;
-    run = runTool<mapBuildApp>({mapRun(), "-o", map(), "--map.distance", "0.1"});
-    ASSERT_EQ(run.code, kOk) << run.err;
-    run = runTool<localizeApp>({map(), query(), "-o", results()});
-    ASSERT_EQ(run.code, kOk) << run.err;
+    ok(runTool<simulateApp>({"room", "-o", *room_ / "", "--seed", "5", "--frames", std::to_string(kFrames),
+                             "--width", "320", "--drive.turn_deg", "8"}));
+    ok(runTool<mapBuildApp>({mapRun(), "-o", map(), "--map.distance", "0.1"}));
+    ok(runTool<localizeApp>({map(), query(), "-o", results()}));
   }
   static void TearDownTestSuite() { room_.reset(); }
   void SetUp() override {
@@ -245,11 +242,9 @@ TEST_F(RanksTest, AnErrorOfAllIsReportedOnceAndEndsTheJob) {
 
 /** The second rank is started with another map, which is not there. */
 TEST_F(RanksTest, AnErrorOfOneRankEndsTheJob) {
-  std::vector<std::string> command = {kLocalizeTool, map(), query(), "-o", folder_ / "results"};
-  const std::vector<std::string> other = {
-      ":", "-np", "1", kLocalizeTool, folder_ / "no.flmap", query(), "-o", folder_ / "results"};
-  command.insert(command.end(), other.begin(), other.end());
-  EXPECT_THAT(runRanks(1, command),
+  const std::string results = folder_ / "results";
+  EXPECT_THAT(runRanks(1, {kLocalizeTool, map(), query(), "-o", results, ":", "-np", "1", kLocalizeTool,
+                           folder_ / "no.flmap", query(), "-o", results}),
               fails("facetloc_localize (rank 1): " + (folder_ / "no.flmap") + ": does not exist\n"));
 }
 
