@@ -23,8 +23,7 @@ TEST_F(Tools, MapIsCalibratedByARecording) {
   const std::string copy = folder_ / "copy.flmap";
   fs::copy_file(map(), copy);
   EXPECT_THAT(runMap({"info", copy}).out, HasSubstr("p >= 0.9, not calibrated"));
-  const auto calibrated = runMap({"calibrate", copy, query(), "--alpha", "0.4", "--confidence", "0.5"});
-  ASSERT_EQ(calibrated.code, kOk) << calibrated.err;
+  const auto calibrated = ok(runMap({"calibrate", copy, query(), "--alpha", "0.4", "--confidence", "0.5"}));
   EXPECT_THAT(calibrated.out, HasSubstr("at most 40 % of the sure answers are wrong, with 50 % confidence"));
   const auto threshold = sureThresholdOf(openMap(copy));
   ASSERT_TRUE(threshold);
@@ -45,9 +44,7 @@ TEST_F(Tools, MapIsCalibratedByARecording) {
 TEST_F(Tools, CalibrateSaysHowManyImagesAreMissing) {
   const std::string copy = folder_ / "copy.flmap", bytes = contentOf(map());
   fs::copy_file(map(), copy);
-  const auto few = runMap({"calibrate", copy, query()});
-  EXPECT_EQ(few.code, kFailed);
-  EXPECT_THAT(few.err, HasSubstr("are too few; it takes about "));
+  EXPECT_THAT(runMap({"calibrate", copy, query()}), fails("are too few; it takes about "));
   EXPECT_TRUE(contentOf(copy) == bytes) << "the map stays as it is";
 }
 
@@ -73,9 +70,7 @@ TEST_F(Tools, CalibrateRefusesSenselessOptions) {
   EXPECT_EQ(runMap({"calibrate", folder_ / "no.flmap"}).code, kFailed);
   const std::string bare = folder_.copyOf(query(), "bare");
   fs::remove(bare + "/groundtruth.txt");
-  const auto without_poses = runMap({"calibrate", map(), bare});
-  EXPECT_EQ(without_poses.code, kFailed);
-  EXPECT_THAT(without_poses.err, HasSubstr("has no poses"));
+  EXPECT_THAT(runMap({"calibrate", map(), bare}), fails("has no poses"));
 }
 
 TEST_F(Tools, LocalizeIsAsSureAsTheMapWasCalibrated) {

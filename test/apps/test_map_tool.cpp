@@ -70,9 +70,8 @@ TEST_F(Tools, MapIsExportedAsAMesh) {
 TEST_F(Tools, MapTakesThePosesOfAGraph) {
   const std::string graph = folder_ / "map.g2o", moved = folder_ / "moved.flmap";
   ok(runMap({"export", map(), "--g2o", graph}));
-  std::istringstream lines(contentOf(graph));
   std::string optimized;
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : linesIn(contentOf(graph))) {
     std::istringstream words(line);
     std::string tag, id, rest;
     double x = 0;
@@ -167,16 +166,11 @@ TEST_F(Tools, MapCommandsAreKnown) {
 
 const std::vector<std::string> kFew = {"--densify.rotation_deg", "40"};
 
-std::vector<std::string> densifying(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "densify");
-  arguments.insert(arguments.end(), kFew.begin(), kFew.end());
-  return arguments;
-}
+Arguments densifying(const Arguments& arguments) { return Arguments{"densify"} + arguments + kFew; }
 
 TEST_F(Tools, DensifiedMapIsSoundAndSaysSo) {
   const std::string dense = folder_ / "dense.flmap", again = folder_ / "again.flmap";
-  const auto run = runMap(densifying({map(), "-o", dense}));
-  ASSERT_EQ(run.code, kOk) << run.err;
+  const auto run = ok(runMap(densifying({map(), "-o", dense})));
   EXPECT_THAT(run.out, HasSubstr("rendered from the depth pictures of"));
   ok(runMap({"check", dense}));
   const Map before = readMap(map()), after = readMap(dense);
@@ -220,9 +214,7 @@ TEST_F(Tools, DensifyLeavesMapsAloneThatItCannotUse) {
   }
   writeMap(copy, unposed);
   const std::string before = contentOf(copy);
-  const auto refused = runMap({"densify", copy});
-  EXPECT_EQ(refused.code, kFailed);
-  EXPECT_THAT(refused.err, HasSubstr("no local model with a pose and a depth picture"));
+  EXPECT_THAT(runMap({"densify", copy}), fails("no local model with a pose and a depth picture"));
   EXPECT_EQ(contentOf(copy), before);
 }
 

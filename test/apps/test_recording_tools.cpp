@@ -18,19 +18,12 @@ namespace {
 
 class RecordingTools : public Tools {
 protected:
-  std::string copyOf(const std::string& run) {
-    const std::string input = folder_ / "copy";
-    fs::copy(run, input, fs::copy_options::recursive);
-    return input;
+  std::string copyOf(const std::string& run) { return folder_.copyOf(run, "copy"); }
+  static ToolRun check(const std::string& input, const Arguments& options = {}) {
+    return runTool<checkApp>(Arguments{input} + options);
   }
-  static ToolRun check(const std::string& input, std::vector<std::string> options = {}) {
-    options.insert(options.begin(), input);
-    return runTool<checkApp>(options);
-  }
-  ToolRun convert(const std::string& input, const std::string& output,
-                  std::vector<std::string> options = {}) const {
-    options.insert(options.begin(), {input, "-o", folder_ / output});
-    return runTool<convertApp>(options);
+  ToolRun convert(const std::string& input, const std::string& output, const Arguments& options = {}) const {
+    return runTool<convertApp>(Arguments{input, "-o", folder_ / output} + options);
   }
 };
 
@@ -159,8 +152,7 @@ TEST_F(RecordingTools, CheckDoubtsPosesThatAreNotTheImages) {
 
 TEST_F(RecordingTools, CheckNamesImagesThatCannotBeRead) {
   const ToolRun run = check(withOneCorruptImage());
-  EXPECT_EQ(run.code, kFailed);
-  EXPECT_THAT(run.err, HasSubstr("is not a PNG file"));
+  EXPECT_THAT(run, fails("is not a PNG file"));
   EXPECT_THAT(run.out, HasSubstr("next: "));
   const std::string input = copyOf(query());
   for (const fs::path& image : filesOf(input + "/depth")) writeContent(image, "no PNG");

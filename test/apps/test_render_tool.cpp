@@ -8,9 +8,8 @@ namespace {
 
 TEST_F(Tools, RenderDrawsEachKindOfInput) {
   if (const OffscreenDisplay display; !display.available()) GTEST_SKIP() << display.problem();
-  const auto draws = [&](std::vector<std::string> arguments, const std::string& output) {
-    arguments.insert(arguments.end(), {"-o", output});
-    const ToolRun run = ok(runTool<renderApp>(arguments));
+  const auto draws = [&](const Arguments& arguments, const std::string& output) {
+    const ToolRun run = ok(runTool<renderApp>(arguments + Arguments{"-o", output}));
     EXPECT_THAT(lastLine(run.out), HasSubstr(output));
     return fs::exists(output);
   };
@@ -26,16 +25,9 @@ TEST_F(Tools, RenderDrawsEachKindOfInput) {
   EXPECT_EQ(filesOf(folder_ / "all").size(), static_cast<std::size_t>(kFrames));
 
   ok(runTool<localizeApp>({map(), query(), "-o", folder_ / "results"}));
-  const std::vector<std::string> failures = {folder_ / "results",
-                                             "--map",
-                                             map(),
-                                             "--sequence",
-                                             query(),
-                                             "--evaluation.max_translation",
-                                             "0",
-                                             "--most",
-                                             "2"};
-  EXPECT_TRUE(draws(failures, folder_ / "failures"));
+  EXPECT_TRUE(draws({folder_ / "results", "--map", map(), "--sequence", query(),
+                     "--evaluation.max_translation", "0", "--most", "2"},
+                    folder_ / "failures"));
   EXPECT_EQ(filesOf(folder_ / "failures").size(), 3u);  // and failures.png
 }
 
@@ -63,9 +55,8 @@ TEST_F(Tools, RenderDrawsABeliefAsItNarrows) {
 TEST_F(Tools, RenderWritesPagesForBrowsers) {
   const std::string results = folder_ / "results", page = folder_ / "page.html";
   ok(runTool<localizeApp>({map(), query(), "-o", results, "--sequence"}));
-  const auto written = [&](std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), {"-o", page});
-    ok(runTool<renderApp>(arguments));
+  const auto written = [&](const Arguments& arguments) {
+    ok(runTool<renderApp>(arguments + Arguments{"-o", page}));
     return contentOf(page);
   };
   try {
@@ -122,9 +113,7 @@ TEST_F(Tools, RenderOverwritesNothingButPictures) {
   const std::vector<std::string> failures = {
       results, "--map", map(), "--sequence", input, "--evaluation.max_translation", "0"};
   for (const char* folder : {"/depth", "/labels"}) {
-    std::vector<std::string> arguments = failures;
-    arguments.insert(arguments.end(), {"-o", input + folder});
-    EXPECT_TRUE(refused(arguments)) << folder;
+    EXPECT_TRUE(refused(failures + Arguments{"-o", input + folder})) << folder;
   }
   for (const fs::path& image : images)
     EXPECT_EQ(contentOf(image), contentOf(query() + "/depth/" + image.filename().string()));

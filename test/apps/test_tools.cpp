@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tools one after the other, as a user runs them, on a small simulated room.
-
 #include "example_room.h"
 
 #include <facetloc/io/results.h>
@@ -27,9 +26,7 @@ void Tools::SetUpTestSuite() {
 }
 
 std::string Tools::withOneCorruptImage() const {
-  const std::string folder = folder_ / "input";
-  fs::create_directories(folder);
-  fs::copy(query(), folder, fs::copy_options::recursive);
+  const std::string folder = folder_.copyOf(query(), "input");
   writeContent(filesOf(folder + "/depth")[4], "no PNG at all");
   return folder;
 }
@@ -94,14 +91,13 @@ TEST_F(Tools, ResultsReplaceNoInputs) {
   writeContent(list, firstImage() + "\n");
   writeContent(params, "# mine\nwidth = 320\n");
   const std::string here = folder_ / "";
-  const auto refuses = [&](const ToolRun& run, const std::string& input) {
-    EXPECT_EQ(run.code, kUsage);
-    EXPECT_THAT(run.err, HasSubstr("the results would replace " + input));
-  };
-  refuses(runTool<localizeApp>({map(), list, "-o", here}), list);
-  refuses(runTool<localizeApp>({map(), firstImage(), "-o", here, "--params", params}), params);
-  refuses(runTool<segmentApp>({list, "-o", here}), list);
-  refuses(runTool<segmentApp>({firstImage(), "-o", here, "--params", params}), params);
+  const std::string replaced = "the results would replace ";
+  EXPECT_THAT(runTool<localizeApp>({map(), list, "-o", here}), refuses(replaced + list));
+  EXPECT_THAT(runTool<localizeApp>({map(), firstImage(), "-o", here, "--params", params}),
+              refuses(replaced + params));
+  EXPECT_THAT(runTool<segmentApp>({list, "-o", here}), refuses(replaced + list));
+  EXPECT_THAT(runTool<segmentApp>({firstImage(), "-o", here, "--params", params}),
+              refuses(replaced + params));
   EXPECT_EQ(runTool<localizeApp>({map(), firstImage(), "-o", here, "--params", params, "--resume"}).code,
             kFailed);
   EXPECT_EQ(runTool<segmentApp>({firstImage(), "-o", here, "--params", params, "--resume"}).code, kFailed);
