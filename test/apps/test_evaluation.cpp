@@ -263,12 +263,15 @@ TEST(Sample, IsSortedAndHasShares) {
   EXPECT_EQ(s.bound(0.1), 1);
 }
 
+std::vector<std::string> setsOf(const Evaluation& evaluation) {
+  std::vector<std::string> found;
+  for (const Summary& s : summarizeSets(evaluation)) found.push_back(s.name + " " + std::to_string(s.total));
+  return found;
+}
+
 TEST(EvaluationReport, SetsOfFrames) {
   const auto names = [](const std::vector<ModelPose>& models) {
-    std::vector<std::string> found;
-    for (const Summary& s : summarizeSets(evaluate(exampleRows(), exampleTruth(), models, {})))
-      found.push_back(s.name + " " + std::to_string(s.total));
-    return found;
+    return setsOf(evaluate(exampleRows(), exampleTruth(), models, {}));
   };
   EXPECT_THAT(names({}), ElementsAre("all 5"));
   EXPECT_THAT(names(exampleModels()), ElementsAre("all images 5", "map images 1", "new 4", "covered 4"));
@@ -332,12 +335,6 @@ FrameEvaluation newFrame(bool covered, std::optional<bool> solvable, bool unmapp
   f.solvable = solvable;
   f.unmapped = unmapped;
   return f;
-}
-
-std::vector<std::string> setsOf(const Evaluation& evaluation) {
-  std::vector<std::string> found;
-  for (const Summary& s : summarizeSets(evaluation)) found.push_back(s.name + " " + std::to_string(s.total));
-  return found;
 }
 
 TEST(EvaluationReport, EachNewImageIsCoveredOrRestOrWhereNothingIs) {

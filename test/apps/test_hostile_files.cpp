@@ -107,8 +107,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(HostilePclzf, IsSkippedAndNamed) {
   const std::string folder = dataFolder("hostile") / "pclzf_width_bit";
   if (!fs::exists(folder)) GTEST_SKIP() << "no data at " << folder << "; see FACETLOC_DATA";
-  const ToolRun run = Process({kLiveTool, "--device", folder, "--headless"}).wait();
-  EXPECT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(Process({kLiveTool, "--device", folder, "--headless"}).wait());
   EXPECT_THAT(run.err, HasAll("pclzf_width_bit", "its size of 1073742464x480 pixels is impossible"));
   EXPECT_LT(peakOfChildren(), kMostMemory);
 }

@@ -8,26 +8,12 @@
 namespace facetloc::test {
 namespace {
 
-namespace fs = std::filesystem;
-using testing::HasSubstr;
-
 using OutputFolder = InAFolder;
-
-/** The words of an IoError; empty without one. */
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const IoError& e) {
-    return e.what();
-  }
-  return "";
-}
 
 TEST_F(OutputFolder, IsTheToolsOwnOrFree) {
   const std::string folder = folder_ / "new/results";
   const auto claim = [&](bool overwrite = false) {
-    return refusal([&] { claimFolder(folder, {"a.csv", "b.csv"}, overwrite, nullptr); });
+    return messageOf<IoError>([&] { claimFolder(folder, {"a.csv", "b.csv"}, overwrite, nullptr); });
   };
   EXPECT_EQ(claim(), "") << "it is created";
   EXPECT_TRUE(fs::is_directory(folder));
@@ -49,7 +35,7 @@ TEST_F(OutputFolder, IsTheToolsOwnOrFree) {
 TEST_F(OutputFolder, OfPicturesHoldsNothingElse) {
   const std::string folder = folder_ / "pictures";
   const auto claim = [&](bool overwrite = false) {
-    return refusal([&] { claimPictureFolder(folder, overwrite); });
+    return messageOf<IoError>([&] { claimPictureFolder(folder, overwrite); });
   };
   EXPECT_EQ(claim(), "");
   writePng(folder + "/a.png", Raster<std::uint8_t>{2, 1, 1, {0, 255}});

@@ -14,9 +14,8 @@ namespace facetloc::test {
 namespace {
 
 std::string withoutComments(const std::string& path) {
-  std::ifstream in(path);
   std::string text;
-  for (std::string line; std::getline(in, line);)
+  for (const std::string& line : linesIn(contentOf(path)))
     if (!line.empty() && line.front() != '#') text += line + "\n";
   return text;
 }

@@ -281,9 +281,7 @@ TEST_F(StreamOfACamera, IsReadByTheExample) {
   const std::string command = std::string(kLiveTool) + " --device '" + sequence() + "' --map '" + map() +
                               "' --headless --stream --speed 0.3 | /usr/bin/env python3 " + kReadStream +
                               " " + std::to_string(datagrams.port());
-  Process process({"/bin/sh", "-c", command});
-  const ToolRun run = process.wait();
-  ASSERT_EQ(run.code, 0) << run.err;
+  const ToolRun run = ok(Process({"/bin/sh", "-c", command}).wait());
   EXPECT_THAT(run.out, HasSubstr(", probability "));
   const Trajectory truth = DepthSequence::readTruth(sequence());
   const CameraMounting mounting = *DepthSequence::open(sequence()).camera()->camera.mounting;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A stranger's way: a recording in the layout it came in is mapped, localized, judged and drawn.
 // Inputs after public reports, each with a check of the right outcome, where they lie beside the checkout.
-
 #include "example_room.h"
 
 #include <facetloc/features/organized_cloud.h>
