@@ -87,16 +87,12 @@ class BuildMapExample : public testing::Test {
 protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    ASSERT_EQ(runTool<simulateApp>({"room", "-o", *folder_ / "", "--seed", "8", "--map-frames", "60",
-                                    "--query-frames", "2", "--width", "320", "--drive.turn_deg", "8",
-                                    "--sensor.distortion", "1"})
-                  .code,
-              0);
-    std::ifstream in(recording() + "/camera.ini");
+    ok(runTool<simulateApp>({"room", "-o", *folder_ / "", "--seed", "8", "--map-frames", "60",
+                             "--query-frames", "2", "--width", "320", "--drive.turn_deg", "8",
+                             "--sensor.distortion", "1"}));
     std::string kept;
-    for (std::string line; std::getline(in, line);)
+    for (const std::string& line : linesIn(contentOf(recording() + "/camera.ini")))
       if (line.rfind("mount_", 0) != 0) kept += line + "\n";
-    in.close();
     writeContent(recording() + "/camera.ini", kept);
   }
   static void TearDownTestSuite() { folder_.reset(); }
@@ -108,8 +104,7 @@ std::unique_ptr<TemporaryFolder> BuildMapExample::folder_;
 
 TEST_F(BuildMapExample, MakesTheMapOfTheTool) {
   const std::string by_tool = *folder_ / "tool.flmap", by_example = *folder_ / "example.flmap";
-  const ToolRun run = runMap({"build", recording(), "-o", by_tool});
-  ASSERT_EQ(run.code, 0) << run.err;
+  ok(runMap({"build", recording(), "-o", by_tool}));
   ASSERT_EQ(buildAsTheExampleDoes(recording(), by_example), 0);
   expectSameRows(by_tool, by_example);
   expectSameAmbiguity(readMap(by_tool), readMap(by_example));

@@ -41,8 +41,7 @@ TEST(Front, BecomesTheToolThatIsNamed) {
 
 TEST_F(Tools, TryMakesAReportOfTwoRecordings) {
   const std::string folder = folder_ / "tried";
-  const ToolRun run = runTool<tryApp>({map_run(), query(), "-o", folder});
-  ASSERT_EQ(run.code, kOk) << run.err << run.out;
+  const ToolRun run = ok(runTool<tryApp>({map_run(), query(), "-o", folder}));
   for (const char* stage : {"1/5 check", "2/5 check_later", "3/5 build", "4/5 localize", "5/5 evaluate"})
     EXPECT_THAT(run.out, HasSubstr(stage));
   EXPECT_THAT(run.out, HasSubstr("\nNext: "));
@@ -62,8 +61,7 @@ TEST_F(Tools, TryNeedsNoTruth) {
   const std::string folder = folder_ / "tried", blind = folder_ / "blind";
   fs::copy(query(), blind, fs::copy_options::recursive);
   fs::remove(blind + "/groundtruth.txt");
-  const ToolRun run = runTool<tryApp>({map_run(), blind, "-o", folder});
-  ASSERT_EQ(run.code, kOk) << run.err << run.out;
+  ok(runTool<tryApp>({map_run(), blind, "-o", folder}));
   const std::string report = contentOf(folder + "/report.html");
   EXPECT_THAT(report, HasAll("have a sure answer", "class=\"plan\"", Not(HasSubstr("TABLE"))));
   EXPECT_FALSE(fs::exists(folder + "/details/tables.csv"));

@@ -87,8 +87,7 @@ protected:
   }
   /** The elements after a visitor's script; nothing may be said on the console. */
   std::string elements(const std::string& script) {
-    const ToolRun run = browser_.elementsOf(visited(path_, script));
-    EXPECT_EQ(run.code, 0) << run.err;
+    const ToolRun run = ok(browser_.elementsOf(visited(path_, script)));
     EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
     return run.out.substr(std::min(run.out.size(), run.out.find("<canvas")),
                           run.out.find("<script id=\"data\"") - run.out.find("<canvas"));
@@ -183,8 +182,7 @@ TEST_F(MapInBrowser, LooksAsItDid) {
   const auto expectLike = [&](const std::string& name, const std::string& script, int width, int height,
                               bool dark) {
     const std::string page = visited(path_, hidden + script);
-    const ToolRun run = browser_.photograph(page, folder_ / "page.png", width, height, dark);
-    ASSERT_EQ(run.code, 0) << run.err;
+    const ToolRun run = ok(browser_.photograph(page, folder_ / "page.png", width, height, dark));
     EXPECT_THAT(Browser::consoleOf(run), IsEmpty());
     expectLikeGolden(name, readRgbPng(folder_ / "page.png"));
   };
