@@ -195,14 +195,13 @@ TEST(CommandLine, HelpAndVersion) {
   EXPECT_THAT(echo({"--version"}).out, testing::MatchesRegex("facetloc [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
-class ParamsFile : public testing::Test {
+class ParamsFile : public InAFolder {
 protected:
   ToolRun echoWith(const std::string& content, std::vector<std::string> arguments = {"a"}) {
     writeContent(path_, content);
     arguments.insert(arguments.end(), {"--params", path_});
     return echo(arguments);
   }
-  TemporaryFolder folder_;
   const std::string path_ = folder_ / "params.ini";
 };
 

@@ -164,7 +164,7 @@ TEST(RenderedTruth, NamesFaultsOfItsFiles) {
 }
 
 /** A place of which the map knows the corner, and the robot then also another view. */
-class Place : public testing::Test {
+class Place : public InAFolder {
 protected:
   void SetUp() override {
     writeSequence(folder_ / "map", "1.000000", {kFloor, kBack, kLeft}, Eigen::Isometry3d::Identity());
@@ -176,7 +176,6 @@ protected:
     return evaluate(runs, truth, models_, {}).frames.at(0);
   }
 
-  TemporaryFolder folder_;
   std::vector<ModelPose> models_ = {{"1.000000", 1, Eigen::Isometry3d::Identity()}};
 };
 

@@ -197,7 +197,7 @@ Cloud cloudOf(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& chan
   return cloud;
 }
 
-class OtherAxes : public testing::Test {
+class OtherAxes : public InAFolder {
 protected:
   DepthSequence open(const Cloud& cloud) const {
     pcl::io::savePCDFileBinary((folder_ / "1.5.pcd").string(), cloud);
@@ -211,7 +211,6 @@ protected:
         wrong += std::abs(image.at(u, v) - depthAlong(image.camera.ray(u, v).head<2>())) > tolerance;
     EXPECT_LT(double(wrong), 0.03 * double(image.depth.size()));
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(OtherAxes, AreTurned) {

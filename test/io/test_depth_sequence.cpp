@@ -65,7 +65,7 @@ std::vector<double> stampsOf(const DepthSequence& sequence) {
   return stamps;
 }
 
-class Sequence : public testing::Test {
+class Sequence : public InAFolder {
 protected:
   fs::path putPng(const std::string& name) const {
     fs::create_directories((folder_ / name).parent_path());
@@ -84,8 +84,6 @@ protected:
   std::string openError(const std::string& name = "") const {
     return ioErrorOf([&] { DepthSequence::open(name.empty() ? folder_.path() : folder_ / name); });
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Sequence, ATumFolderIsOrderedByItsStamps) {

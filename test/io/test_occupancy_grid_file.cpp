@@ -9,11 +9,9 @@
 namespace facetloc::test {
 namespace {
 
-class OccupancyGridFiles : public testing::Test {
+class OccupancyGridFiles : public InAFolder {
 protected:
-  void put(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-  }
+  void put(const std::string& name, const std::string& bytes) const { putBytes(folder_ / name, bytes); }
   OccupancyGrid read(const std::string& yaml) const {
     put("map.yaml", yaml);
     return readOccupancyGrid(folder_ / "map.yaml");
@@ -21,7 +19,6 @@ protected:
   std::string errorOf(const std::string& yaml) const {
     return ioErrorOf([&] { read(yaml); });
   }
-  TemporaryFolder folder_;
 };
 
 // Two rows, the upper one first in the image: black, white, grey; nearly white, dark, white.

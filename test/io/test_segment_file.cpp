@@ -30,7 +30,7 @@ TEST(WritingSegments, AFullDiskIsReportedWithTheOutputFile) {
   }
 }
 
-class SegmentFile : public testing::Test {
+class SegmentFile : public InAFolder {
 protected:
   std::string errorOf(const std::string& file) const {
     return ioErrorOf([&] { readSegments(folder_ / file); });
@@ -62,7 +62,6 @@ protected:
     }
   }
 
-  TemporaryFolder folder_;
   const std::vector<Segment> segments_ = ExampleMap().view().segments;
 };
 
@@ -106,10 +105,9 @@ TEST_F(SegmentFile, WithFaultsSaysThem) {
 
 TEST_F(SegmentFile, EveryCutIsAnError) {
   writeSegments(folder_ / "a.segments.pcd", segments_);
-  std::ifstream in(folder_ / "a.segments.pcd", std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const std::string bytes = bytesOf(folder_ / "a.segments.pcd");
   for (std::size_t n = 0; n < bytes.size(); n += 7) {
-    std::ofstream(folder_ / "cut.segments.pcd", std::ios::binary) << bytes.substr(0, n);
+    putBytes(folder_ / "cut.segments.pcd", bytes.substr(0, n));
     EXPECT_NE(errorOf("cut.segments.pcd"), "") << n;
   }
 }
