@@ -43,11 +43,7 @@ TEST_F(MapFile, RoundTripsExactly) {
   EXPECT_EQ(read.camera.mounting->height, 0.98);
   EXPECT_EQ(read.camera.mounting->tilt_deg, 10.1);
   EXPECT_FALSE(read.camera.intrinsics.valid());
-  EXPECT_EQ(read.camera.noise.inverse_depth_std, map.camera.noise.inverse_depth_std);
-  EXPECT_EQ(read.camera.noise.distortion_offset, map.camera.noise.distortion_offset);
-  EXPECT_EQ(read.camera.noise.distortion_slope, map.camera.noise.distortion_slope);
-  EXPECT_EQ(read.camera.noise.depth_std, map.camera.noise.depth_std);
-  EXPECT_EQ(read.camera.noise.depth_std_slope, map.camera.noise.depth_std_slope);
+  EXPECT_EQ(toIni(read.camera.noise), toIni(map.camera.noise));
   EXPECT_EQ(read.camera.max_depth, map.camera.max_depth);
   for (const auto& [key, value] : map.meta) EXPECT_EQ(read.meta.at(key), value);
   EXPECT_EQ(read.meta.at("format"), "facetloc map 1.0");
