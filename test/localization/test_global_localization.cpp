@@ -7,6 +7,7 @@
 
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/testing/changed_views.h>
+#include <facetloc/testing/matchers.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>
@@ -169,20 +170,15 @@ TEST_F(LocalizationInARoom, AModelThatCannotBeReadIsAnErrorForAnyNumberOfThreads
   broken->setStore(std::make_shared<BrokenStore>());
   GlobalLocalizationParams likeliest_first, all;
   all.shortlist.size = 0;
-  const auto errorOf = [&](const GlobalLocalizationParams& params, int threads) -> std::string {
+  const auto errorOf = [&](const GlobalLocalizationParams& params, int threads) {
     GlobalLocalization localization(broken, params);
     localization.setNumberOfThreads(threads);
-    try {
-      localization.localize(*map->view(3));
-    } catch (const std::runtime_error& e) {
-      return e.what();
-    }
-    return "none";
+    return test::messageOf<std::runtime_error>([&] { localization.localize(*map->view(3)); });
   };
   for (const int threads : {1, 2}) {
     EXPECT_EQ(errorOf(all, threads), "local model 0 is damaged");
     EXPECT_EQ(errorOf(likeliest_first, threads), errorOf(likeliest_first, 1));
-    EXPECT_NE(errorOf(likeliest_first, threads), "none");
+    EXPECT_NE(errorOf(likeliest_first, threads), "");
   }
 }
 

@@ -6,6 +6,7 @@
 #include "shortlist/shortlist.h"
 
 #include <facetloc/localization/place_index.h>
+#include <facetloc/testing/matchers.h>
 
 #include <gtest/gtest.h>
 
@@ -171,12 +172,8 @@ TEST_F(PlaceIndexOfRooms, AnExaminedModelThatCannotBeReadIsAnErrorForAnyNumberOf
     store->damaged = aligned.at(25);  // aligned, but not examined
     EXPECT_EQ(modelsFor(view, shortlist, threads).size(), std::size_t{15});
     store->damaged = aligned.at(19);
-    try {
-      modelsFor(view, shortlist, threads);
-      FAIL() << "the damage was not told";
-    } catch (const std::runtime_error& e) {
-      EXPECT_EQ(e.what(), "local model " + std::to_string(store->damaged) + " is damaged");
-    }
+    EXPECT_EQ(test::messageOf<std::runtime_error>([&] { modelsFor(view, shortlist, threads); }),
+              "local model " + std::to_string(store->damaged) + " is damaged");
   }
 }
 

@@ -3,6 +3,7 @@
 #include <facetloc/mapping/floor_plan.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
+#include <facetloc/testing/matchers.h>
 
 #include <gmock/gmock.h>
 
@@ -112,12 +113,7 @@ TEST(MapGrid, ResolutionAndBandAreChosen) {
 
 TEST(MapGrid, NamesTheCauseOfFailure) {
   const auto errorOf = [](const Map& map) {
-    try {
-      gridOf(map);
-    } catch (const std::runtime_error& e) {
-      return std::string(e.what());
-    }
-    return std::string("none");
+    return test::messageOf<std::runtime_error>([&] { gridOf(map); });
   };
   EXPECT_THAT(errorOf({}), HasSubstr("pose"));
   Map far = roundLook(true);
