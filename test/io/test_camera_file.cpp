@@ -71,11 +71,7 @@ TEST(CameraFile, RoundTripsWithTheNameOfTheCamera) {
       const CameraFile again = readCameraFile(folder / "camera.ini");
       EXPECT_EQ(again.preset, file.preset);
       EXPECT_EQ(again.camera.max_depth, file.camera.max_depth);
-      EXPECT_EQ(again.camera.noise.inverse_depth_std, file.camera.noise.inverse_depth_std);
-      EXPECT_EQ(again.camera.noise.depth_std, file.camera.noise.depth_std);
-      EXPECT_EQ(again.camera.noise.depth_std_slope, file.camera.noise.depth_std_slope);
-      EXPECT_EQ(again.camera.noise.distortion_offset, file.camera.noise.distortion_offset);
-      EXPECT_EQ(again.camera.noise.distortion_slope, file.camera.noise.distortion_slope);
+      EXPECT_EQ(toIni(again.camera.noise), toIni(file.camera.noise));
     }
 }
 
@@ -212,7 +208,8 @@ TEST(RigFile, FaultsAreNamedWithTheirLine) {
   EXPECT_THAT(rigErrorOf("cameras = front\n"), HasSubstr("fewer than two cameras"));
   EXPECT_THAT(rigErrorOf("cameras = a a\n"), HasSubstr("line 1: camera a is named twice"));
   EXPECT_THAT(rigErrorOf("\ncameras a b\n"), HasSubstr("line 2: expected key = value"));
-  EXPECT_THAT(rigErrorOf("cameras = a b\nrotation_std_deg = -1\n"), HasSubstr("line 2: rotation_std_deg = -1"));
+  EXPECT_THAT(rigErrorOf("cameras = a b\nrotation_std_deg = -1\n"),
+              HasSubstr("line 2: rotation_std_deg = -1"));
   EXPECT_THAT(rigErrorOf("cameras = a b\nangle = 1\n"), HasSubstr("unknown key 'angle'"));
   EXPECT_THAT(rigErrorOf("cameras = a b\ncameras = c d\n"), HasSubstr("cameras is given twice"));
 }

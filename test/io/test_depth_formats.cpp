@@ -63,7 +63,7 @@ std::string npy(const std::string& type, const std::string& shape, const std::st
          bytes<std::uint16_t>({static_cast<std::uint16_t>(header.size())}) + header + pixels;
 }
 
-class DepthFormats : public testing::Test {
+class DepthFormats : public InAFolder {
 protected:
   StoredDepth read(const std::string& name, const std::string& content) const {
     return readDepthValues(putBytes(folder_ / name, content));
@@ -77,7 +77,6 @@ protected:
     EXPECT_EQ(values.height, kHeight) << name;
     EXPECT_EQ(values.numbers, kNumbers) << name;
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(DepthFormats, WholeNumbers) {

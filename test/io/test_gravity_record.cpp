@@ -7,7 +7,7 @@
 namespace facetloc::test {
 namespace {
 
-class GravityFiles : public testing::Test {
+class GravityFiles : public InAFolder {
 protected:
   std::string put(const std::string& content) const {
     std::ofstream(folder_ / "gravity") << content;
@@ -17,7 +17,6 @@ protected:
   std::string faultOf(const std::string& content) const {
     return ioErrorOf([&] { read(content); });
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(GravityFiles, AreLinesOfAStampAndADirectionOfAnyLength) {

@@ -34,14 +34,12 @@ OniWriter start(bool old = false) {
 }
 const std::string kImage = raw({0, 1000, 1001, 1002, 2000, 2001, 2002, 65535});
 
-class OniFiles : public testing::Test {
+class OniFiles : public InAFolder {
 protected:
   fs::path file(const std::string& bytes) { return putBytes(folder_ / "a.oni", bytes); }
   std::string errorOf(const std::string& bytes) {
     return ioErrorOf([&] { OniFile::open(file(bytes)).read(0); });
   }
-
-  TemporaryFolder folder_;
 };
 
 /** As a recorder leaves it that is killed: cut anywhere, or with room behind it that was never filled. */

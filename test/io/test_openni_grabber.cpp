@@ -34,7 +34,7 @@ struct Holdings {
   }
 };
 
-class Grabber : public testing::Test {
+class Grabber : public InAFolder {
 protected:
   std::string source(const ExampleSequence& sequence = {}) {
     return sequence.write(folder_ / "sequence").string();
@@ -45,7 +45,6 @@ protected:
   }
 
   const Watchdog watchdog_;
-  TemporaryFolder folder_;
 };
 
 /** The plain grabber of PCL crashes or hangs within 60 such rounds. */

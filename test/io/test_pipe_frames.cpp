@@ -301,7 +301,7 @@ TEST(FrameGrabber, ReportsATornFrame) {
 }
 
 /** Frames of a video device, from a file. */
-class V4l2File : public testing::Test {
+class V4l2File : public InAFolder {
 protected:
   std::string write(const std::string& bytes) {
     const std::string path = folder_ / "walk.z16";
@@ -313,7 +313,6 @@ protected:
     file.camera.intrinsics = {4, 3, 3.5, 3.25, 1.5, 1};
     return file;
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(V4l2File, IsReadFrameByFrame) {

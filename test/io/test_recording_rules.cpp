@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kCamera = "width=8 height=6 fx=7 fy=7 cx=3.5 cy=2.5 depth_scale=1000\n";
 
-class Rules : public testing::Test {
+class Rules : public InAFolder {
 protected:
   void putDepth(const std::string& name, std::uint16_t millimetres = 1000) const {
     fs::create_directories((folder_ / name).parent_path());
@@ -39,8 +39,6 @@ protected:
     for (std::size_t i = 0; i < sequence.frames().size(); ++i) depths.push_back(sequence.load(i).depth.at(0));
     return depths;
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Rules, TheOnlyFolderWithDepthInItsNameHasTheImages) {
