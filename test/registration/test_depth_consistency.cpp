@@ -27,6 +27,9 @@ DepthPicture roomFrom(const Eigen::Isometry3d& T_w_c) {
   return DepthPicture::fromDepth(render(test::furnishedRoom(), smallCamera(), T_w_c).image);
 }
 
+/** Pixels that agree, that contradict, and that are occluded. */
+Eigen::Vector3i countsOf(const DepthAgreement& a) { return {a.agree, a.contradict, a.occluded}; }
+
 int pixelsOfGrid(const DepthPicture& p, int columns) {
   const int step = gridStep(p, columns);
   return ((p.camera.width - step / 2 - 1) / step + 1) * ((p.camera.height - step / 2 - 1) / step + 1);
@@ -75,12 +78,8 @@ TEST(DepthConsistency, BothDirectionsAreTheSumOfEach) {
                        back = comparison().compare(b, a, T.inverse(), kFineColumns),
                        both = comparison().compareBoth(a, b, T, kFineColumns),
                        swapped = comparison().compareBoth(b, a, T.inverse(), kFineColumns);
-  EXPECT_EQ(both.agree, there.agree + back.agree);
-  EXPECT_EQ(both.contradict, there.contradict + back.contradict);
-  EXPECT_EQ(both.occluded, there.occluded + back.occluded);
-  EXPECT_EQ(swapped.agree, both.agree);
-  EXPECT_EQ(swapped.contradict, both.contradict);
-  EXPECT_EQ(swapped.occluded, both.occluded);
+  EXPECT_EQ(countsOf(both), Eigen::Vector3i(countsOf(there) + countsOf(back)));
+  EXPECT_EQ(countsOf(swapped), countsOf(both));
   EXPECT_DOUBLE_EQ(swapped.likelihood, both.likelihood);
 }
 
@@ -111,10 +110,7 @@ TEST(DepthConsistency, LabelsAddUpToTheCountsOfCompare) {
   Eigen::Isometry3d T = B.inverse() * A;
   T.translation() += Eigen::Vector3d(0.15, -0.05, 0.1);
   const DepthAgreement want = comparison().compare(a, b, T, kFineColumns);
-  const DepthAgreement counted = comparison().count(a, b, T, kFineColumns);
-  EXPECT_EQ(counted.agree, want.agree);
-  EXPECT_EQ(counted.contradict, want.contradict);
-  EXPECT_EQ(counted.occluded, want.occluded);
+  EXPECT_EQ(countsOf(comparison().count(a, b, T, kFineColumns)), countsOf(want));
   const DepthComparison compared = comparison();
   const DepthComparator judge(compared, a, b, T);
   DepthAgreement sum;
@@ -135,9 +131,7 @@ TEST(DepthConsistency, LabelsAddUpToTheCountsOfCompare) {
       }
   EXPECT_GT(want.contradict, 0);
   EXPECT_GT(want.occluded, 0);
-  EXPECT_EQ(sum.agree, want.agree);
-  EXPECT_EQ(sum.contradict, want.contradict);
-  EXPECT_EQ(sum.occluded, want.occluded);
+  EXPECT_EQ(countsOf(sum), countsOf(want));
 }
 
 TEST(DepthConsistency, TheToleranceIsThreeTimesTheErrorOfAPrediction) {
