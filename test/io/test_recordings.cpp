@@ -35,7 +35,7 @@ std::string matrixText(const Eigen::Isometry3d& T) {
   return out;
 }
 
-class Recordings : public testing::Test {
+class Recordings : public InAFolder {
 protected:
   void put(const std::string& name, const std::string& content) const {
     fs::create_directories((folder_ / name).parent_path());
@@ -81,8 +81,6 @@ protected:
     ASSERT_TRUE(found) << index;
     EXPECT_TRUE(found->isApprox(T, 1e-5)) << found->matrix();
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Recordings, SevenScenes) {

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class VirtualCamera : public testing::Test {
+class VirtualCamera : public InAFolder {
 protected:
   std::string sequence(const ExampleSequence& sequence = {}) {
     return sequence.write(folder_ / "sequence").string();
@@ -61,7 +61,6 @@ protected:
   }
 
   const Watchdog watchdog_;
-  TemporaryFolder folder_;
 };
 
 TEST_F(VirtualCamera, DeliversEachImageOnceWhenTriggered) {
