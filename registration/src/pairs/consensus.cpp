@@ -108,26 +108,6 @@ double freeSpaceTerm(const DepthAgreement& compared, const ScoreCalibration& par
   return -params.free_space_weight * std::log1p(share / params.free_space_share);
 }
 
-// Segment-overlap score (METHOD 10.5), the paper's consensus measure as far as is known.
-double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
-                            const PoseWithCovariance& T_m_c, const MatchingParams& matching) {
-  const auto upperTail = [](double d2) {  // upper tail of chi2(3)
-    return 1 - std::erf(std::sqrt(d2 / 2)) + std::sqrt(2 * d2 / kPi) * std::exp(-d2 / 2);
-  };
-  double sum = 0;
-  for (const Segment& F : scene) {
-    double best = 0;
-    for (const Segment& Fp : model) {
-      const double d2 = coplanarityDistance(F, Fp, T_m_c, matching.coplanarity_gate);
-      if (!(d2 <= matching.coplanarity_gate)) continue;
-      if (!(overlapDistance(F, Fp, T_m_c, matching.overlap_gate) <= matching.overlap_gate)) continue;
-      best = std::max(best, 100 * upperTail(d2) * std::min(F.num_points, Fp.num_points));
-    }
-    sum += best;
-  }
-  return sum;
-}
-
 }  // namespace
 
 std::vector<Eigen::Vector3d> samplePoints(const Segment& s) {
@@ -216,6 +196,25 @@ double logLikelihoodRatio(const Query& query, const View& model, const PoseWithC
       return u.dot(d) > std::cos(kParallelSpread);
     });
     if (new_direction) seen.push_back(u);
+  }
+  return sum;
+}
+
+double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
+                            const PoseWithCovariance& T_m_c, const MatchingParams& matching) {
+  const auto upperTail = [](double d2) {  // upper tail of chi2(3)
+    return 1 - std::erf(std::sqrt(d2 / 2)) + std::sqrt(2 * d2 / kPi) * std::exp(-d2 / 2);
+  };
+  double sum = 0;
+  for (const Segment& F : scene) {
+    double best = 0;
+    for (const Segment& Fp : model) {
+      const double d2 = coplanarityDistance(F, Fp, T_m_c, matching.coplanarity_gate);
+      if (!(d2 <= matching.coplanarity_gate)) continue;
+      if (!(overlapDistance(F, Fp, T_m_c, matching.overlap_gate) <= matching.overlap_gate)) continue;
+      best = std::max(best, 100 * upperTail(d2) * std::min(F.num_points, Fp.num_points));
+    }
+    sum += best;
   }
   return sum;
 }

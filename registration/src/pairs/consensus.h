@@ -34,6 +34,10 @@ std::vector<Eigen::Vector3d> samplePoints(const Segment& segment);
 double logLikelihoodRatio(const Query& query, const View& model, const PoseWithCovariance& T_m_c,
                           const DepthComparison& comparison, const ScoreCalibration& params);
 
+/** \brief Segment-overlap score (METHOD 10.5), the paper's consensus measure as far as is known. */
+double surfaceMatchingScore(const std::vector<Segment>& scene, const std::vector<Segment>& model,
+                            const PoseWithCovariance& T_m_c, const MatchingParams& matching);
+
 /** \brief How a hypothesis is scored by its own local model: by the log likelihood ratio and the free-space
  * term, or, as in the paper, by the overlap of segments. Never changes; thread-safe. */
 class HypothesisScore {
