@@ -42,7 +42,7 @@ private:
 
   const View& view_;
   int count_ = 0;
-  Chosen furniture_;                // of all bodies, or of none
+  Chosen furniture_;                // one flag for each body, or empty
   std::vector<std::uint8_t> body_;  // number of the body at each pixel of the picture, 0 = none
 };
 
