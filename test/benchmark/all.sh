@@ -11,7 +11,7 @@ set -euo pipefail
 
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$root/build data=${FACETLOC_DATA:-$root/../shared/data} out=figures every=1
-stages=(kitchen models paper unknown looks cross covariances choices pieces smooth stereo cameras trajectories gaps sessions hours people pairs peers
+stages=(kitchen models paper unknown looks cross covariances choices pieces smooth stereo cameras trajectories gaps sessions hours people rig pairs peers
         rooms drives sequences tracking segmentation public speed large)
 usage() { sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "$0"; }
 fail() { echo "all.sh: $1" >&2; exit "${2:-1}"; }

@@ -358,6 +358,9 @@ stage_sequences() {
   done
 }
 
+# Several cameras as one view: a corridor's end, an office, a home.
+stage_rig() { bench score_rig 11 12 13 14 15; }
+
 stage_people() {
   local seed
   for seed in 51 52; do
