@@ -163,7 +163,7 @@ private:
                    "Repeat the route of the mapping run N times, each time on another line.");
     line.addOption("people", people_, "N",
                    "Number of people around the camera: followed, walking past, standing around.");
-    line.addOption("map-people", map_people_, "N", "The same in the mapping run.");
+    line.addOption("map-people", map_people_, "N", "Number of people around the camera of the mapping run.");
     line.addOption("map-step", map_step_, "M", "Distance between images of the mapping run [m].");
     line.addParams(drive_, "drive");
     line.addParams(noise_, "sensor");
