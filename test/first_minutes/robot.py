@@ -29,6 +29,8 @@ with Newcomer() as user:
     user.make_sample()
     truth = user.poses("walk/query/groundtruth.txt")
     user.type("cp walk/map/camera.ini camera.ini")  # of a calibrated camera
+    # Two cameras that see the same.
+    user.type("mkdir drive && cp -r walk/query drive/front && cp -r walk/query drive/rear && echo 'cameras = front rear' > drive/rig.ini")
     plug_in(user, "walk/map")
     commands = user.document("apps/ROBOT.md").commands("From unboxing to driving")
     for words in ("--record", "facetloc_check", "--build", "facetloc_map info", "--stream", "supervise.py"):
@@ -48,6 +50,9 @@ with Newcomer() as user:
             found = re.findall(r"^([\d.]+) at (\S+) (\S+) (\S+),", printed, re.MULTILINE)
             check_drive({round(float(s), 3): (float(x), float(y)) for s, x, y, _ in found}, truth, "the stream")
             check(all(abs(float(z)) < 0.05 for *_, z in found), "the stream: the robot stays on its floor")
+        if command.startswith("facetloc_localize"):
+            found = {stamp: (x, y) for stamp, (x, y, *_) in user.poses("results/poses_tum.txt").items()}
+            check_drive(found, truth, "several cameras")
         if "supervise.py" in command:
             found = re.findall(r"^([\d.]+) go (\S+) (\S+) \S+ \S+$", printed, re.MULTILINE)
             check_drive({round(float(s), 3): (float(x), float(y)) for s, x, y in found}, truth, "the supervisor")
