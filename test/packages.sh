@@ -122,7 +122,7 @@ cp -r "$work/debian/data" "$root"
 inside /venv/bin/python /data/localize.py
 mkdir "$root/documents"
 cp -r "$repository"/{README.md,apps,test/first_minutes} "$root/documents"
-for person in recording python_user; do inside /venv/bin/python "/documents/first_minutes/$person.py" /venv /documents; done
+inside python3 /documents/first_minutes/recording.py /venv /documents
 
 # From a clone.
 if [ -n "${FACETLOC_FROM_SOURCE:-}" ]; then

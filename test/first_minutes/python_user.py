@@ -24,7 +24,7 @@ def pose(text):
 
 
 with Newcomer() as user:
-    packages = [package.parent for package in user.prefix.glob("lib*/python3*/*-packages/facetloc")]
+    packages = list({package.parent.resolve() for package in user.prefix.glob("lib*/python3*/*-packages/facetloc")})
     check(len(packages) == 1, "the Python package is installed")
     user.env["PYTHONPATH"] = str(packages[0])
     user.make_sample()
