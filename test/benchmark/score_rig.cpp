@@ -4,10 +4,11 @@
 //
 //   score_rig [CASE] SEED...
 //
-// Each seed is a place and its noise, each query a rig: the true poses of the cameras on the robot differ
-// from the stated ones by the stated errors. "end": two cameras that look forward and back, at the end of a
-// bare corridor; the others: three cameras, 100 deg apart, on the query route, where a map image was taken
-// within 0.5 m and 15 deg. Free: views of one camera that are not sure; fixed: those of all, sure and right.
+// A seed makes a place and its noise. A query is a rig whose true poses of the cameras on the robot differ
+// from the stated ones by the stated errors. The case "end" has two cameras at the end of a bare corridor: one
+// looks along it, the other back. All other cases have three cameras, 100 deg apart, on the query route, where
+// a map image was taken within 0.5 m and 15 deg. Free: views of one camera that are not sure; fixed: views of
+// all cameras that are sure and right, where one camera is free.
 #include "programs.h"
 
 #include <facetloc/localization/localizer.h>
