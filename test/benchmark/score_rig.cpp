@@ -4,11 +4,10 @@
 //
 //   score_rig [CASE] SEED...
 //
-// A seed makes a place and its noise. A query is a rig whose true poses of the cameras on the robot differ
-// from the stated ones by the stated errors. The case "end" has two cameras at the end of a bare corridor: one
-// looks along it, the other back. All other cases have three cameras, 100 deg apart, on the query route, where
-// a map image was taken within 0.5 m and 15 deg. Free: views of one camera that are not sure; fixed: views of
-// all cameras that are sure and right, where one camera is free.
+// A seed makes a place, its noise, and true poses of the cameras that differ from the stated ones. The case
+// "end" has two cameras at a corridor's end, which look along it and back. All others have three cameras, 100
+// deg apart, within 0.5 m and 15 deg of a map image. A view of one camera is free if it is not sure, and fixed
+// if the view of all cameras is sure and right.
 #include "programs.h"
 
 #include <facetloc/localization/localizer.h>
