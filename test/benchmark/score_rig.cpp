@@ -6,8 +6,8 @@
 //
 // A seed makes a place, its noise, and true poses of the cameras that differ from the stated ones. The case
 // "end" has two cameras at a corridor's end, which look along it and back. All others have three cameras, 100
-// deg apart, within 0.5 m and 15 deg of a map image. A view of one camera is free if it is not sure, and fixed
-// if the view of all cameras is sure and right.
+// deg apart, within 0.5 m and 15 deg of a map image. A view of one camera is free if it is not sure, and
+// fixed if the view of all cameras is sure and right.
 #include "programs.h"
 
 #include <facetloc/localization/localizer.h>
