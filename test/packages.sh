@@ -5,7 +5,7 @@
 #   test/packages.sh RELEASE [MAP.flmap RECORDING]     as root; takes minutes and 4 GB in the folder for temporary files
 #
 # Without MAP and RECORDING, a simulated room is mapped. FACETLOC_DEBIAN names a debootstrapped folder to use (it is copied).
-# FACETLOC_FROM_SOURCE=1 builds from source there as well, for half an hour.
+# FACETLOC_FROM_SOURCE=1 builds from source there as well, for half an hour, and programs against the packages.
 set -euo pipefail
 
 release=$(realpath "$1")
@@ -54,6 +54,12 @@ first_report() {
   timed "$1: facetloc try" inside "$2facetloc" try /walk/map /walk/query -o /tried >"$root/try.log" 2>&1 || { cat "$root/try.log" >&2; exit 1; }
   tail -1 "$root/try.log"
   for page in report.html map.html; do [ -s "$root/tried/$page" ] || { echo "packages: $1: no $page" >&2; exit 1; }; done
+}
+
+# What newcomers read, and the scripts that type it.
+documents() {
+  mkdir "$root/documents"
+  cp -r "$repository"/{README.md,apps,test/first_minutes} "$root/documents"
 }
 
 # What a package would bring, without what it must not.
@@ -107,6 +113,8 @@ assert not best, "images that Python has not seen"
 print(f"{len(recording)} images, {sure} sure: Python has the answers of facetloc_localize")
 PYTHON
 inside python3 /data/localize.py
+documents
+inside python3 /documents/first_minutes/robot.py /usr /documents
 
 # The wheel, where Python and NumPy are and nothing else.
 root=$work/wheel
@@ -120,9 +128,10 @@ first_report wheel /venv/bin/
 cmp "$work/debian/tried/details/results/hypotheses.csv" "$root/tried/details/results/hypotheses.csv"
 cp -r "$work/debian/data" "$root"
 inside /venv/bin/python /data/localize.py
-mkdir "$root/documents"
-cp -r "$repository"/{README.md,apps,test/first_minutes} "$root/documents"
-inside python3 /documents/first_minutes/recording.py /venv /documents
+documents
+for newcomer in recording building python_user; do
+  inside /venv/bin/python "/documents/first_minutes/$newcomer.py" /venv /documents
+done
 
 # From a clone.
 if [ -n "${FACETLOC_FROM_SOURCE:-}" ]; then
@@ -132,6 +141,9 @@ if [ -n "${FACETLOC_FROM_SOURCE:-}" ]; then
   timed 'source: dependencies' inside sh -c 'cd /facetloc && cmake/install_dependencies.sh'
   timed 'source: build' inside sh -c 'cd /facetloc && cmake -G Ninja -B build -DFACETLOC_BUILD_TESTS=OFF >/dev/null && cmake --build build >/dev/null'
   first_report source /facetloc/build/apps/
+  install_ libfacetloc-dev  # whose users have a compiler
+  documents
+  inside python3 /documents/first_minutes/pcl_pipeline.py /usr /documents
 fi
 
 echo "packages: all is well"
