@@ -59,7 +59,7 @@ first_report() {
 # What newcomers read, and the scripts that type it.
 documents() {
   mkdir "$root/documents"
-  cp -r "$repository"/{README.md,apps,test/first_minutes} "$root/documents"
+  (cd "$repository" && cp -r --parents README.md apps registration/localization/README.md "$root/documents" && cp -r test/first_minutes "$root/documents")
 }
 
 # What a package would bring, without what it must not.
@@ -141,7 +141,7 @@ if [ -n "${FACETLOC_FROM_SOURCE:-}" ]; then
   timed 'source: dependencies' inside sh -c 'cd /facetloc && cmake/install_dependencies.sh'
   timed 'source: build' inside sh -c 'cd /facetloc && cmake -G Ninja -B build -DFACETLOC_BUILD_TESTS=OFF >/dev/null && cmake --build build >/dev/null'
   first_report source /facetloc/build/apps/
-  install_ libfacetloc-dev  # whose users have a compiler
+  install_ libfacetloc-dev facetloc-tools-gui
   documents
   inside python3 /documents/first_minutes/pcl_pipeline.py /usr /documents
 fi
