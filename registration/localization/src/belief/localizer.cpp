@@ -428,7 +428,8 @@ Localization Localizer::localize(const View& view, const PoseWithCovariance& T_w
 std::optional<NextLook> Localizer::nextLook(const View& view, const Localization& answer) const {
   std::vector<Eigen::Isometry3d> looked = {Eigen::Isometry3d::Identity()};
   if (answer.looks > 1) looked = impl_->looked;  // it is of the drive
-  return NextLooks(impl_->map, impl_->localization_params).best(view, answer, looked, impl_->min_probability);
+  return internal::nextLook(impl_->map, impl_->localization_params, view, answer, looked,
+                            impl_->min_probability);
 }
 Localization Localizer::update(View view, double stamp, const std::optional<PoseWithCovariance>& motion) {
   return impl_->update(std::move(view), stamp, motion);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "belief/next_look.h"
 
-#include "poses/pose_fusion.h"
+#include "nearby/nearby_models.h"
+#include "ranking/place_ranking.h"
 
 #include <facetloc/registration/observability.h>
 
@@ -88,10 +89,8 @@ double meanOfSide(const DepthPicture& picture, const Eigen::Isometry3d& T_b_c, i
   return pixels > 0 ? sum / pixels : 0;
 }
 
-}  // namespace
-
 /** A place where the camera may be. */
-struct NextLooks::Place {
+struct Place {
   Eigen::Isometry3d T_w_c;
   int part;
   double probability;
@@ -99,16 +98,17 @@ struct NextLooks::Place {
 };
 
 /** A view that the map expects. */
-struct NextLooks::Expected {
+struct Expected {
   View seen, mapped;  // each by every second local model: they differ by the map's errors
   double known = 0;   // share of the pixels that one of them has
   Matrix6d information = Matrix6d::Zero();  // about the pose, in world axes
 };
 
 /** Knowledge after some looks, for each place that may be the right one. */
-class NextLooks::Outlook {
+class Outlook {
 public:
-  Outlook(const NextLooks& of, const std::vector<Place>& places) : of_(&of), places_(places) {
+  Outlook(const PlaceRanking& ranking, const PoseLimits& limits, const std::vector<Place>& places)
+      : ranking_(ranking), limits_(limits), places_(places) {
     const auto n = static_cast<Eigen::Index>(places.size());
     log_odds_ = Eigen::MatrixXd::Zero(n, n + 1);
   }
@@ -121,7 +121,7 @@ public:
       const Expected& here = expected[right];
       for (std::size_t other = 0; other < n; ++other) {
         if (other == right) continue;
-        const double odds = of_->ranking_.oddsOfOther(here.seen, here.mapped, expected[other].mapped);
+        const double odds = ranking_.oddsOfOther(here.seen, here.mapped, expected[other].mapped);
         log_odds_(right, other) += weight * std::max(-2 * kMostOfOneLook, odds);
       }
       places_[right].information += weight * here.information;
@@ -159,140 +159,159 @@ private:
     return p / p.sum();
   }
 
-  bool isFixed(const Place& place) const { return of_->limits_.hold(symmetricInverse(place.information)); }
+  bool isFixed(const Place& place) const { return limits_.hold(symmetricInverse(place.information)); }
 
   /** Log of the number of cells that the errors of a pose cover; 0 for none of the places. */
   double logCells(Eigen::Index i) const {
     if (i == log_odds_.rows()) return 0;
     const PrincipalStd known = principalStd(symmetricInverse(places_[i].information));
-    const Eigen::Array3d cells =
-        (2 / of_->limits_.max_translation * known.translation.array()).max(1) *
-        (2 / (of_->limits_.max_rotation_deg * kDegree) * known.rotation.array()).max(1);
+    const Eigen::Array3d cells = (2 / limits_.max_translation * known.translation.array()).max(1) *
+                                 (2 / (limits_.max_rotation_deg * kDegree) * known.rotation.array()).max(1);
     return cells.log().sum();
   }
 
-  const NextLooks* of_;
+  const PlaceRanking& ranking_;
+  const PoseLimits& limits_;
   std::vector<Place> places_;  // with the information of all looks, if they are the right ones
   Eigen::MatrixXd log_odds_;   // rows: the right place; columns: all places, and none
 };
 
-NextLooks::NextLooks(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params)
-    : map_(map),
-      limits_(params.sure),
-      calibration_(params.calibration.sequence),
-      ranking_(map, params),
-      near_(map, true) {}
+/** The looks in a map that an answer may need. */
+class NextLooks {
+public:
+  NextLooks(const std::shared_ptr<const Map>& map, const GlobalLocalizationParams& params,
+            const std::vector<Eigen::Isometry3d>& looked)
+      : map_(*map),
+        limits_(params.sure),
+        calibration_(params.calibration.sequence),
+        looked_(looked),
+        ranking_(map, params),
+        near_(map, true) {}
 
-std::vector<NextLooks::Place> NextLooks::placesOf(const Localization& answer) const {
-  std::vector<Place> places;
-  for (const Hypothesis& h : answer.hypotheses) {
-    const std::optional<Eigen::Isometry3d>& T_w_m = map_->models[h.model].T_w_m;
-    if (!h.T_w_c || !T_w_m || h.probability < kPossible || places.size() == kMostPlaces) continue;
-    places.push_back({*h.T_w_c, h.part, h.probability, symmetricInverse((*T_w_m * h.T_m_c).P)});
-  }
-  return places;
-}
+  /** The advice by the places of the answer; nothing if no motion is worthwhile. */
+  std::optional<NextLook> byPlaces(const View& view, const Localization& answer,
+                                   double min_probability) const {
+    const std::vector<Place> places = placesOf(answer);
+    if (places.empty() || near_.empty()) return {};
+    const Intrinsics seen_by =
+        view.intrinsics.valid() ? view.intrinsics : map_.view(answer.hypotheses.front().model)->intrinsics;
+    const Intrinsics camera = seen_by.subsampled(std::max(1, seen_by.width / kFineColumns));
+    const Eigen::Isometry3d T_b_c = baseOf(view, map_.camera);
 
-NextLooks::Expected NextLooks::expectedAt(int part, const Eigen::Isometry3d& T_w_c,
-                                          const Intrinsics& camera) const {
-  Expected expected;
-  std::array<std::vector<std::uint16_t>, 2> pixels;
-  pixels.fill(std::vector<std::uint16_t>(static_cast<std::size_t>(camera.width) * camera.height, 0));
-  std::vector<Segment> segments;
-  const std::vector<int> models = near_.bySight(part, T_w_c, kEvidenceReach, kModels);
-  DepthNoise noise;
-  for (std::size_t k = 0; k < models.size(); ++k) {
-    const Eigen::Isometry3d T_c_m = T_w_c.inverse() * *map_->models[models[k]].T_w_m;
-    const auto view = map_->view(models[k]);
-    noise = view->depth.noise;
-    splat(view->depth, T_c_m, camera, pixels[k % 2]);
-    for (const Segment& segment : view->segments)
-      if (pixelOf(T_c_m * segment.t, camera)) segments.push_back(transformed(segment, T_c_m));
-  }
-  for (std::size_t i = 0; i < pixels[0].size(); ++i)
-    expected.known += (pixels[0][i] > 0 || pixels[1][i] > 0) / static_cast<double>(pixels[0].size());
-  for (const std::size_t half : {0, 1}) {
-    DepthPicture& depth = (half == 0 ? expected.seen : expected.mapped).depth;
-    depth = DepthPicture::fromStored(camera, std::move(pixels[half]));
-    depth.noise = noise;
-  }
-  if (!models.empty())  // most of them show the same planes
-    expected.information =
-        rotateCovariance(T_w_c.linear(), informationOf(segments)) / static_cast<double>(models.size());
-  return expected;
-}
-
-// Share of a view that is new, as of an observation of a belief.
-double NextLooks::novelty(const Eigen::Isometry3d& T_now_then,
-                          const std::vector<Eigen::Isometry3d>& looked) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Eigen::Isometry3d& T_now_look : looked)
-    least = std::min(least, (T_now_look.translation() - T_now_then.translation()).norm() /
-                                    calibration_.independent_distance +
-                                rotationAngle(T_now_look.linear().transpose() * T_now_then.linear()) /
-                                    (calibration_.independent_rotation_deg * kDegree));
-  return 1 - std::exp(-least);
-}
-
-std::optional<NextLook> NextLooks::best(const View& view, const Localization& answer,
-                                        const std::vector<Eigen::Isometry3d>& looked,
-                                        double min_probability) const {
-  if (answer.state == AnswerState::sure || !answer.searched || !answer.not_in_map) return {};
-  const std::optional<NextLook> known = byPlaces(view, answer, looked, min_probability);
-  if (known || view.depth.empty()) return known;
-  const Eigen::Isometry3d T_b_c = baseOf(view, map_->camera);
-  const auto promise = [&](int side) {
-    return novelty(motionBy(side * kStep, 0, T_b_c), looked) /
-           std::max(1.0, meanOfSide(view.depth, T_b_c, side));
-  };
-  return NextLook{promise(1) >= promise(-1) ? kStep : -kStep, 0, 0, 0};
-}
-
-std::optional<NextLook> NextLooks::byPlaces(const View& view, const Localization& answer,
-                                            const std::vector<Eigen::Isometry3d>& looked,
-                                            double min_probability) const {
-  const std::vector<Place> places = placesOf(answer);
-  if (places.empty() || near_.empty()) return {};
-  const Intrinsics& seen_by =
-      view.intrinsics.valid() ? view.intrinsics : map_->view(answer.hypotheses.front().model)->intrinsics;
-  const Intrinsics camera = seen_by.subsampled(std::max(1, seen_by.width / kFineColumns));
-  const Eigen::Isometry3d T_b_c = baseOf(view, map_->camera);
-
-  std::vector<Expected> expected;  // at each place, by the latest look
-  const auto look = [&](double yaw, double ahead, Outlook& outlook) {
-    const Eigen::Isometry3d T_now_then = motionBy(yaw, ahead, T_b_c);
-    expected.clear();
-    for (const Place& place : places)
-      expected.push_back(expectedAt(place.part, place.T_w_c * T_now_then, camera));
-    outlook.add(expected, novelty(T_now_then, looked));
-  };
-  const Outlook now(*this, places);
-  const double entropy = now.entropy();
-  std::optional<NextLook> best;
-  double most = 0;  // gain per radian
-  const auto consider = [&](double yaw, double ahead, const Outlook& then) {
-    const NextLook found{yaw, ahead, entropy - then.entropy(), then.sure(min_probability)};
-    const double per_radian = found.gain / (std::abs(yaw) + ahead / kAhead);
-    if (found.gain > kWorthwhile && per_radian > most) best = found, most = per_radian;
-  };
-  std::vector<std::pair<double, Outlook>> ways;  // turns after which the way ahead is free
-  for (const int side : {1, -1}) {               // a turn passes all looks on its way
-    Outlook then = now;
-    for (int k = side > 0 ? 0 : 1; k <= kHalfTurn - (side < 0); ++k) {
-      const double yaw = side * k * kStep;
-      look(yaw, 0, then);
-      if (k > 0) consider(yaw, 0, then);
-      if (std::all_of(expected.begin(), expected.end(),
-                      [&](const Expected& there) { return isFree(there.seen.depth, T_b_c); }))
-        ways.emplace_back(yaw, then);
+    std::vector<Expected> expected;  // at each place, by the latest look
+    const auto look = [&](double yaw, double ahead, Outlook& outlook) {
+      const Eigen::Isometry3d T_now_then = motionBy(yaw, ahead, T_b_c);
+      expected.clear();
+      for (const Place& place : places)
+        expected.push_back(expectedAt(place.part, place.T_w_c * T_now_then, camera));
+      outlook.add(expected, novelty(T_now_then));
+    };
+    const Outlook now(ranking_, limits_, places);
+    const double entropy = now.entropy();
+    std::optional<NextLook> best;
+    double most = 0;  // gain per radian
+    const auto consider = [&](double yaw, double ahead, const Outlook& then) {
+      const NextLook found{yaw, ahead, entropy - then.entropy(), then.sure(min_probability)};
+      const double per_radian = found.gain / (std::abs(yaw) + ahead / kAhead);
+      if (found.gain > kWorthwhile && per_radian > most) best = found, most = per_radian;
+    };
+    std::vector<std::pair<double, Outlook>> ways;  // turns after which the way ahead is free
+    for (const int side : {1, -1}) {               // a turn passes all looks on its way
+      Outlook then = now;
+      for (int k = side > 0 ? 0 : 1; k <= kHalfTurn - (side < 0); ++k) {
+        const double yaw = side * k * kStep;
+        look(yaw, 0, then);
+        if (k > 0) consider(yaw, 0, then);
+        if (std::all_of(expected.begin(), expected.end(),
+                        [&](const Expected& there) { return isFree(there.seen.depth, T_b_c); }))
+          ways.emplace_back(yaw, then);
+      }
     }
+    if (best && best->sure >= kLikely) return best;
+    for (auto& [yaw, then] : ways) {
+      look(yaw, kAhead, then);
+      consider(yaw, kAhead, then);
+    }
+    return best;
   }
-  if (best && best->sure >= kLikely) return best;
-  for (auto& [yaw, then] : ways) {
-    look(yaw, kAhead, then);
-    consider(yaw, kAhead, then);
+
+  /** Where the map says nothing: towards the side that is new and has room. */
+  NextLook byView(const View& view) const {
+    const Eigen::Isometry3d T_b_c = baseOf(view, map_.camera);
+    const auto promise = [&](int side) {
+      return novelty(motionBy(side * kStep, 0, T_b_c)) / std::max(1.0, meanOfSide(view.depth, T_b_c, side));
+    };
+    return {promise(1) >= promise(-1) ? kStep : -kStep, 0, 0, 0};
   }
-  return best;
+
+private:
+  std::vector<Place> placesOf(const Localization& answer) const {
+    std::vector<Place> places;
+    for (const Hypothesis& h : answer.hypotheses) {
+      const std::optional<Eigen::Isometry3d>& T_w_m = map_.models[h.model].T_w_m;
+      if (!h.T_w_c || !T_w_m || h.probability < kPossible || places.size() == kMostPlaces) continue;
+      places.push_back({*h.T_w_c, h.part, h.probability, symmetricInverse((*T_w_m * h.T_m_c).P)});
+    }
+    return places;
+  }
+
+  Expected expectedAt(int part, const Eigen::Isometry3d& T_w_c, const Intrinsics& camera) const {
+    Expected expected;
+    std::array<std::vector<std::uint16_t>, 2> pixels;
+    pixels.fill(std::vector<std::uint16_t>(static_cast<std::size_t>(camera.width) * camera.height, 0));
+    std::vector<Segment> segments;
+    const std::vector<int> models = near_.bySight(part, T_w_c, kEvidenceReach, kModels);
+    DepthNoise noise;
+    for (std::size_t k = 0; k < models.size(); ++k) {
+      const Eigen::Isometry3d T_c_m = T_w_c.inverse() * *map_.models[models[k]].T_w_m;
+      const auto view = map_.view(models[k]);
+      noise = view->depth.noise;
+      splat(view->depth, T_c_m, camera, pixels[k % 2]);
+      for (const Segment& segment : view->segments)
+        if (pixelOf(T_c_m * segment.t, camera)) segments.push_back(transformed(segment, T_c_m));
+    }
+    for (std::size_t i = 0; i < pixels[0].size(); ++i)
+      expected.known += (pixels[0][i] > 0 || pixels[1][i] > 0) / static_cast<double>(pixels[0].size());
+    for (const std::size_t half : {0, 1}) {
+      DepthPicture& depth = (half == 0 ? expected.seen : expected.mapped).depth;
+      depth = DepthPicture::fromStored(camera, std::move(pixels[half]));
+      depth.noise = noise;
+    }
+    if (!models.empty())  // most of them show the same planes
+      expected.information =
+          rotateCovariance(T_w_c.linear(), informationOf(segments)) / static_cast<double>(models.size());
+    return expected;
+  }
+
+  /** Share of a view that is new, as of an observation of a belief. */
+  double novelty(const Eigen::Isometry3d& T_now_then) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Eigen::Isometry3d& T_now_look : looked_)
+      least = std::min(least, (T_now_look.translation() - T_now_then.translation()).norm() /
+                                      calibration_.independent_distance +
+                                  rotationAngle(T_now_look.linear().transpose() * T_now_then.linear()) /
+                                      (calibration_.independent_rotation_deg * kDegree));
+    return 1 - std::exp(-least);
+  }
+
+  const Map& map_;
+  const PoseLimits& limits_;
+  const SequenceCalibration& calibration_;
+  const std::vector<Eigen::Isometry3d>& looked_;
+  PlaceRanking ranking_;
+  NearbyModels near_;
+};
+
+}  // namespace
+
+std::optional<NextLook> nextLook(const std::shared_ptr<const Map>& map,
+                                 const GlobalLocalizationParams& params, const View& view,
+                                 const Localization& answer, const std::vector<Eigen::Isometry3d>& looked,
+                                 double min_probability) {
+  if (answer.state == AnswerState::sure || !answer.searched || !answer.not_in_map) return {};
+  const NextLooks looks(map, params, looked);
+  const std::optional<NextLook> known = looks.byPlaces(view, answer, min_probability);
+  return known || view.depth.empty() ? known : looks.byView(view);
 }
 
 }  // namespace facetloc::internal
