@@ -41,6 +41,11 @@ bool isThere(const BelievedPlace& place, const Hypothesis& found) {
   return squaredMahalanobis(place.T_w_c, *found.T_w_c) < kGate;
 }
 
+void sortByOdds(std::vector<BelievedPlace>& places) {
+  std::stable_sort(places.begin(), places.end(),
+                   [](const BelievedPlace& a, const BelievedPlace& b) { return a.log_odds > b.log_odds; });
+}
+
 // Motions one after the other, the likeliest of all combinations.
 std::vector<MotionMode> chained(const std::vector<MotionMode>& first, const std::vector<MotionMode>& then) {
   std::vector<MotionMode> all;
@@ -383,8 +388,7 @@ std::vector<BelievedPlace> PlaceBelief::updated(const BelievedPlace& place, cons
     there.match = seen[i].match;
     now.push_back(std::move(there));
   }
-  std::stable_sort(now.begin(), now.end(),
-                   [](const BelievedPlace& a, const BelievedPlace& b) { return a.log_odds > b.log_odds; });
+  sortByOdds(now);
   const double least = now.front().log_odds + std::log(kUnlikely);
   while (now.back().log_odds < least) now.pop_back();
   return now;
@@ -420,8 +424,7 @@ double PlaceBelief::addFresh(const View& view, const std::vector<Hypothesis>& fr
 
 // One place once; those that are forgotten go; probabilities.
 void PlaceBelief::normalize() {
-  std::stable_sort(places_.begin(), places_.end(),
-                   [](const BelievedPlace& a, const BelievedPlace& b) { return a.log_odds > b.log_odds; });
+  sortByOdds(places_);
   std::vector<BelievedPlace> kept;
   const double beyond = places_.empty() ? 0 : std::max(0.0, places_.front().log_odds - kMostLogOdds);
   for (BelievedPlace& place : places_) {
@@ -445,6 +448,80 @@ void PlaceBelief::weigh() {
   double sum = 1;
   for (const BelievedPlace& place : places_) sum += std::exp(place.log_odds);
   for (BelievedPlace& place : places_) place.probability = std::exp(place.log_odds) / sum;
+}
+
+namespace {
+
+Eigen::Isometry3d modelPose(const Hypothesis& h) { return *h.T_w_c * h.T_m_c.T.inverse(); }
+
+std::vector<BelievedPlace> placesOf(const Localization& answer) {
+  constexpr double kNowhereLeft = 1e-9;  // rounding error of the probability of nowhere
+  const double nowhere = std::max(answer.not_in_map.value_or(1), kNowhereLeft);
+  std::vector<BelievedPlace> places;
+  for (const Hypothesis& h : answer.hypotheses) {
+    BelievedPlace& place = places.emplace_back();
+    place.T_w_c = modelPose(h) * h.T_m_c;
+    place.part = h.part;
+    place.log_odds = std::log(std::max(h.probability, kNowhereLeft) / nowhere);
+    place.match = h;
+  }
+  return places;
+}
+
+bool isSamePlace(const BelievedPlace& a, const BelievedPlace& b) {
+  if (a.part != b.part) return false;
+  if (kSameAnswer.joins(a.T_w_c.T, b.T_w_c.T)) return true;
+  return squaredMahalanobis(a.T_w_c, b.T_w_c) < kGate;
+}
+
+// Log odds of a place that is not in a list: no likelier than the last of it, nor than an unlisted
+// place.
+double oddsOfUnlisted(const std::vector<BelievedPlace>& list) {
+  double least = 0;
+  for (const BelievedPlace& place : list) least = std::min(least, place.log_odds);
+  return least;
+}
+
+}  // namespace
+
+Localization smoothedPlaces(const Localization& until_now, const Localization& from_next,
+                            const PoseWithCovariance& T_now_next, double prior) {
+  std::vector<BelievedPlace> places = placesOf(until_now), later = placesOf(from_next);
+  const double unlisted = oddsOfUnlisted(places), unlisted_later = oddsOfUnlisted(later);
+  const PoseWithCovariance T_next_now = inverse(T_now_next);
+  for (BelievedPlace& place : later) {
+    place.T_w_c = place.T_w_c * T_next_now;
+    place.match.pairs.clear();  // they are of another view
+  }
+  for (BelievedPlace& place : places) {
+    const auto same = std::find_if(later.begin(), later.end(),
+                                   [&](const BelievedPlace& other) { return isSamePlace(place, other); });
+    place.log_odds += (same != later.end() ? same->log_odds : unlisted_later) - prior;
+    if (same == later.end()) continue;
+    place.T_w_c = covarianceIntersection(place.T_w_c, same->T_w_c);
+    later.erase(same);
+  }
+  for (BelievedPlace& place : later) {
+    place.log_odds += unlisted - prior;
+    places.push_back(std::move(place));
+  }
+  sortByOdds(places);
+  double sum = 1;
+  for (const BelievedPlace& place : places) sum += std::exp(place.log_odds);
+
+  Localization out;
+  out.not_in_map = 1 / sum;
+  out.looks = until_now.looks + from_next.looks - 1;  // views next to each other tell the same
+  out.T_before_now = until_now.T_before_now;
+  for (BelievedPlace& place : places) {
+    Hypothesis h = std::move(place.match);
+    const Eigen::Isometry3d T_w_m = modelPose(h);
+    h.T_w_c = place.T_w_c.T;
+    h.T_m_c = T_w_m.inverse() * place.T_w_c;
+    h.probability = std::exp(place.log_odds) / sum;
+    out.hypotheses.push_back(std::move(h));
+  }
+  return out;
 }
 
 }  // namespace facetloc::internal
