@@ -352,18 +352,6 @@ TEST(GlobalLocalization, AnEmptyMapOrViewHasAReason) {
   EXPECT_NE(answer.reason, "");
 }
 
-TEST(GlobalLocalization, AnImpossiblePriorIsNoCrash) {
-  const auto map = mapOf(test::largeRoom(), {loop()[0]});
-  PoseWithCovariance prior;
-  prior.P.setConstant(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_TRUE(GlobalLocalization(map).localize(*map->view(0), prior).hypotheses.empty());
-  // A robot that neither tilts nor climbs: nothing is left to estimate there, which no update allows for.
-  prior.P = (Vector6d() << 0, 0, 0.1, 1, 1, 0).finished().asDiagonal();
-  const Localization answer = GlobalLocalization(map).localize(*map->view(0), prior);
-  EXPECT_TRUE(answer.hypotheses.empty());
-  EXPECT_THAT(answer.reason, HasSubstr("not positive definite"));
-}
-
 class Degenerate : public testing::Test {
 protected:
   // The reason why an image of a scene is not found in a map of another image of it.

@@ -42,7 +42,7 @@ TEST(PairRegistration, AnswersAsAMapOfOneLocalModel) {
   const View target = viewOf(kTarget, 1), view = viewOf(kNear, 2);
   const Localization of_pair = PairRegistration(target).align(view, usualPrior());
   const internal::GlobalLocalization map(std::make_shared<const Map>(test::mapOf(target)));
-  const Localization of_map = map.localize(view, usualPrior());
+  const Localization of_map = map.localize(view);
   ASSERT_EQ(of_pair.hypotheses.size(), of_map.hypotheses.size());
   for (std::size_t i = 0; i < of_map.hypotheses.size(); ++i) {
     const Hypothesis &a = of_pair.hypotheses[i], &b = of_map.hypotheses[i];

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "pairs/view_registration.h"
+#include "ranking/place_ranking.h"
+#include "shortlist/shortlist.h"
+
 #include <facetloc/features/local_model.h>
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/registration/hypothesis.h>
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -36,19 +41,12 @@ class GlobalLocalization {
 public:
   /** \brief Throws std::invalid_argument for a parameter out of its range. */
   explicit GlobalLocalization(std::shared_ptr<const Map> map, const GlobalLocalizationParams& params = {});
-  GlobalLocalization(GlobalLocalization&&) noexcept;
-  GlobalLocalization& operator=(GlobalLocalization&&) noexcept;
-  ~GlobalLocalization();
-
-  const Map& map() const;
+  const Map& map() const { return *map_; }
   /** \brief OpenMP threads over local models; 1 by default, 0 = all cores. */
-  void setNumberOfThreads(int n);
+  void setNumberOfThreads(int n) { threads_ = n; }
 
   /** \brief Thread-safe. A view without segments, an empty map, and views that fix no pose give a reason. */
   Localization localize(const View& view) const;
-  /** \brief The same with another prior of the pose relative to each local model; with all models if it
-   * reaches farther than the index. One whose covariance is not positive definite gives a reason. */
-  Localization localize(const View& view, const PoseWithCovariance& prior) const;
 
   /** \brief Localizes without the excluded local models. For callers that weigh the answers further:
    * covariances are by the derivatives of planes and pixels alone, not by the shape of the cost
@@ -69,9 +67,29 @@ public:
   PoseWithCovariance prior(const View& view) const;
 
 private:
-  GlobalLocalization(const GlobalLocalization& other);
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  PoseWithCovariance priorOf(const View& view, const CameraDifference& camera) const;
+  PoseWithCovariance priorOfRoll(int quarters) const { return {quarterTurns(quarters), anywhere_.P}; }
+  Query queryOf(const View& view, const CameraDifference& camera) const;
+  bool isLevelIn(const View& view) const;
+  std::optional<Gravity> gravityOf(const View& view, int model, const View& of_model) const;
+  bool mayBeTurned(const Localization& answer) const;
+  void registerWith(const Batch& batch, const Query& query, bool keeps_mean,
+                    std::vector<Hypothesis>& hypotheses) const;
+  Localization rank(const Query& query, std::vector<Hypothesis> hypotheses, ComparedAndRefined& known) const;
+  Localization search(const Query& query, const CameraDifference& camera,
+                      const std::function<bool(int)>& excluded,
+                      double promising = std::numeric_limits<double>::lowest()) const;
+  bool isSure(const Localization& answer) const;
+
+  std::shared_ptr<const Map> map_;
+  GlobalLocalizationParams params_;
+  ViewRegistration registration_;
+  Shortlist shortlist_;
+  PlaceRanking ranking_;
+  PoseWithCovariance on_floor_, anywhere_;  // priors of a camera mounted as the map's, and of any other
+  Matrix6d of_floor_ = Matrix6d::Zero();    // information of the floor about a pose
+  int threads_ = 1;
+  std::function<bool(int)> absent_;  // local models of the map that count as missing; may be empty
 };
 
 }  // namespace facetloc::internal

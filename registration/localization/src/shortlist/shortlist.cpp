@@ -81,49 +81,28 @@ const Shortlist::ModelPlanes& Shortlist::planes(bool levelled) const {
 std::vector<NextBatch> Shortlist::batches(const Query& query, bool on_floor, int threads,
                                           const std::function<bool(int)>& excluded) const {
   if (!registration_.mayFixPose(query)) return {asItIs({})};
+  const ShortlistParams& p = params_.shortlist;
   std::vector<ShortlistedModel> models;
-  if (index_ && on_floor) models = listed(query, excluded);
+  if (index_ && on_floor)
+    models = index_->candidates(query.view, std::max(p.examined_models, p.size), excluded);
   if (models.empty() && !on_floor) return overlaid(query, threads, excluded);
   if (models.empty()) return {asItIs(allModels(query, excluded))};
-  // Only the joint refinement estimates a pose without where it was looked for.
-  auto [likeliest, others] = startsOf(models, query, params_.steps.joint_refinement);
-  const int most = params_.shortlist.size - static_cast<int>(likeliest.size());
+  const int first = std::min(p.first_models, p.size);
+  Batch likeliest, others;
+  for (const ShortlistedModel& c : models) {
+    // Only the joint refinement estimates a pose without where it was looked for.
+    const bool is_aligned = c.start && params_.steps.joint_refinement;
+    (c.rank < first ? likeliest : others)
+        .push_back(is_aligned ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
+                              : Start{c.model, query.prior});
+  }
+  const int most = p.size - static_cast<int>(likeliest.size());
   std::vector<NextBatch> out = {asItIs(byModel(std::move(likeliest)))};
   if (!others.empty() && most > 0)
     out.push_back([this, &query, rest = std::move(others), most, threads](double reached) {
       return examined(query, rest, most, reached, threads);
     });
   return out;
-}
-
-Batch Shortlist::batch(const Query& query, bool on_floor, int threads) const {
-  if (!registration_.mayFixPose(query)) return {};
-  std::vector<ShortlistedModel> models;
-  if (index_ && on_floor && PlaceIndex::covers(query.prior)) models = listed(query, {});
-  if (models.empty()) return allModels(query, {});
-  auto [likeliest, others] = startsOf(models, query, true);
-  const int most = params_.shortlist.size - static_cast<int>(likeliest.size());
-  others = examined(query, others, most, kNothing, threads);
-  likeliest.insert(likeliest.end(), others.begin(), others.end());
-  for (Start& start : likeliest) start = {start.model, query.prior, false};  // the starts by the map's prior
-  return byModel(std::move(likeliest));
-}
-
-Shortlist::Starts Shortlist::startsOf(const std::vector<ShortlistedModel>& models, const Query& query,
-                                      bool from_alignments) const {
-  const int first = std::min(params_.shortlist.first_models, params_.shortlist.size);
-  Starts out;
-  for (const ShortlistedModel& c : models)
-    (c.rank < first ? out.likeliest : out.others)
-        .push_back(c.start && from_alignments ? Start{c.model, startAt(*c.start, map_->camera.mounting), true}
-                                              : Start{c.model, query.prior});
-  return out;
-}
-
-std::vector<ShortlistedModel> Shortlist::listed(const Query& query,
-                                                const std::function<bool(int)>& excluded) const {
-  const ShortlistParams& p = params_.shortlist;
-  return index_->candidates(query.view, std::max(p.examined_models, p.size), excluded);
 }
 
 // Many models are aligned as well by chance. Those with whom all planes and some pixels, next to the

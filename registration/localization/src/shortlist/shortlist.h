@@ -50,18 +50,9 @@ public:
    * prior is by this mounting \param threads 0 = all cores \param excluded models, if any are */
   std::vector<NextBatch> batches(const Query& query, bool on_floor, int threads,
                                  const std::function<bool(int model)>& excluded = {}) const;
-  /** \brief The same for a prior of the caller's: one batch, about this prior. */
-  Batch batch(const Query& query, bool on_floor, int threads) const;
   const MapGravity& gravity() const { return *gravity_; }
 
 private:
-  std::vector<ShortlistedModel> listed(const Query& query, const std::function<bool(int)>& excluded) const;
-  /** The first models, which are registered in any case, and those that are examined before. */
-  struct Starts {
-    Batch likeliest, others;
-  };
-  Starts startsOf(const std::vector<ShortlistedModel>& models, const Query& query,
-                  bool from_alignments) const;
   Batch examined(const Query& query, const Batch& aligned, int most, double reached, int threads) const;
   std::vector<NextBatch> overlaid(const Query& query, int threads,
                                   const std::function<bool(int)>& excluded) const;
