@@ -332,7 +332,7 @@ TEST_F(Evidence, AListThatGrowsIsRankedAsOneThatComesAtOnce) {
   near.translation().x() += 0.02;
   std::vector<Hypothesis> all{hypothesis(30, truth), hypothesis(20, elsewhere), hypothesis(28, near)};
   knowInModel(all);
-  ComparedAndRefined known;
+  PixelVerdicts known;
   for (const std::size_t n : {1, 2, 3, 3}) {
     std::vector<Hypothesis> grown(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n)), at_once = grown;
     ranking().rank(scene, grown, known);

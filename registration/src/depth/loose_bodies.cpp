@@ -166,9 +166,14 @@ LooseBodies::Chosen LooseBodies::labelled(DepthLabel label, const Eigen::Isometr
 LooseBodies::Chosen LooseBodies::before(const Eigen::Isometry3d& T_w_c,
                                         const std::vector<PosedPicture>& pictures,
                                         const DepthComparison& comparison) const {
-  Chosen chosen = labelled(DepthLabel::contradict, T_w_c, pictures, comparison);
-  for (std::size_t k = 0; k < furniture_.size(); ++k) chosen[k] = chosen[k] && !furniture_[k];
-  return chosen;
+  return otherThanFurniture(labelled(DepthLabel::contradict, T_w_c, pictures, comparison));
+}
+
+LooseBodies::Chosen LooseBodies::otherThanFurniture(Chosen bodies) const {
+  if (!furniture_.empty())
+    std::transform(bodies.begin(), bodies.end(), furniture_.begin(), bodies.begin(),
+                   [](char chosen, char is_furniture) { return chosen && !is_furniture; });
+  return bodies;
 }
 
 DepthPicture LooseBodies::pictureWithout(const Chosen& bodies) const {

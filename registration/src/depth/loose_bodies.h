@@ -32,6 +32,8 @@ public:
 
   /** \brief Takes bodies for furniture from now on. */
   void keep(const Chosen& furniture) { furniture_ = furniture; }
+  /** \brief Those of these bodies that were not taken for furniture. */
+  Chosen otherThanFurniture(Chosen bodies) const;
 
   /** \brief The depth of the view, unknown where these bodies are. */
   DepthPicture pictureWithout(const Chosen& bodies) const;

@@ -20,6 +20,12 @@ struct DepthEvidence {
   int pixels = 0;    // pixels of the scene
   int expected = 0;  // pixels among these that could agree
   std::vector<DepthAgreement> of_models;
+
+  DepthAgreement ofAllModels() const {
+    DepthAgreement sum;
+    for (const DepthAgreement& of_model : of_models) sum += of_model;
+    return sum;
+  }
 };
 
 namespace {
@@ -61,18 +67,9 @@ void dropFurniture(DepthEvidence& found) {
   for (DepthAgreement& of_model : found.of_models) of_model.occluded = 0;
 }
 
-// Weights of the pixels of local models, relative to those of the scene. Fixed surfaces do not move away:
-// free space through one contradicts a pose more, and objects may hide them anywhere.
-struct ModelWeights {
-  double looked_through = 1, hidden = 1;
-};
-
-ModelWeights weightsOf(MapSurfaces surfaces) {
-  return surfaces == MapSurfaces::fixed ? ModelWeights{2, 0} : ModelWeights();
-}
-
-double weighed(const DepthEvidence& found, double free_space_share, const EvidenceCalibration& params,
-               const ModelWeights& weights) {
+double weighed(const DepthEvidence& found, MapSurfaces surfaces, const Calibration& calibration) {
+  const EvidenceCalibration& params = calibration.evidence;
+  const double free_space_share = calibration.score.free_space_share;
   const auto tail = [&](double share) { return std::log1p(share / free_space_share); };
   const double untested = params.untested_pixels * found.pixels;
   const auto contradiction = [&](const DepthAgreement& a, double untested_here) {
@@ -94,9 +91,13 @@ double weighed(const DepthEvidence& found, double free_space_share, const Eviden
   else
     of_models = contradiction({}, untested);
   const double disagreement = (found.expected - found.of_scene.agree) / std::max(1.0, double(found.pixels));
+  // Fixed surfaces do not move away: free space through one contradicts a pose more than that of the scene,
+  // and objects may hide them anywhere.
+  const bool are_fixed = surfaces == MapSurfaces::fixed;
+  const double looked_through_weight = are_fixed ? 2 : 1, hidden_weight = are_fixed ? 0 : 1;
   return -params.contradiction_weight *
-             (contradiction(found.of_scene, untested) + weights.looked_through * of_models) -
-         weights.hidden * params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
+             (contradiction(found.of_scene, untested) + looked_through_weight * of_models) -
+         hidden_weight * params.occlusion_weight * hidden - params.disagreement_weight * disagreement;
 }
 
 Coverage coverageOf(const DepthEvidence& found, const View& scene, const std::vector<SegmentPair>& pairs) {
@@ -109,8 +110,7 @@ Coverage coverageOf(const DepthEvidence& found, const View& scene, const std::ve
     all += scene.segments[i].num_points;
     if (has_partner[i]) paired += scene.segments[i].num_points;
   }
-  DepthAgreement models;
-  for (const DepthAgreement& of_model : found.of_models) models += of_model;
+  const DepthAgreement models = found.ofAllModels();
   return {share(a.judged(), found.pixels), share(a.agree, a.judged()), share(a.contradict, a.judged()),
           share(models.contradict, models.judged()), share(paired, all)};
 }
@@ -150,12 +150,12 @@ HypothesisRanking::HypothesisRanking(const RegistrationParams& params, MapSurfac
       refined_comparison_(refinedErrors(params.calibration)) {}
 
 void HypothesisRanking::rank(const View& scene, std::vector<Hypothesis>& hypotheses,
-                             ComparedAndRefined& known) const {
+                             PixelVerdicts& known) const {
   // The paper's score counts pixels: nats of evidence do not add to it.
-  const bool evidence = !params_.score.by_overlap && addEvidence(scene, hypotheses, known.compared);
+  const bool evidence = !params_.score.by_overlap && addEvidence(scene, hypotheses, known);
   mergePlaces(params_.merging, hypotheses);
   if (evidence) score(hypotheses);
-  if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses, known.refined);
+  if (evidence && params_.refinement.enabled) refinePlaces(scene, hypotheses, known);
   if (evidence && evidenceWeight() != 1) {
     for (Hypothesis& h : hypotheses)
       h.score = std::max(h.consensus + evidenceWeight() * h.evidence, scoreByPixels(scene, h));
@@ -206,8 +206,7 @@ double HypothesisRanking::evidenceOf(const DepthPicture& depth, const View& scen
   if (incomplete) dropFurniture(found);
   found.expected = incomplete ? pixelsInReach(depth, scene, comparison) : found.of_scene.judged();
   h.coverage = coverageOf(found, scene, h.pairs);
-  return weighed(found, params_.calibration.score.free_space_share, params_.calibration.evidence,
-                 weightsOf(surfaces_));
+  return weighed(found, surfaces_, params_.calibration);
 }
 
 std::optional<ViewShares> HypothesisRanking::shares(const View& scene, const Hypothesis& h) const {
@@ -218,8 +217,7 @@ std::optional<ViewShares> HypothesisRanking::shares(const View& scene, const Hyp
   ViewShares shares;
   shares.explained = found.of_scene.agree / pixels, shares.hiding = found.of_scene.contradict / pixels;
   shares.fresh = std::max(0.0, (pixels - found.of_scene.agree - found.of_scene.contradict) / pixels);
-  DepthAgreement models;
-  for (const DepthAgreement& of_model : found.of_models) models += of_model;
+  const DepthAgreement models = found.ofAllModels();
   shares.missing = models.contradict / std::max(1.0, double(models.judged()));
   return shares;
 }
@@ -252,10 +250,10 @@ PixelVerdict HypothesisRanking::verdict(const View& scene, const LooseBodies& bo
                                         bool refined) const {
   const std::vector<NearbyView> models = neighbours(h);
   if (refined) refine(scene, models, h);
-  const DepthComparison& comparison = refined ? refined_comparison_ : comparison_;
-  const double evidence_here = evidenceOf(scene.depth, scene, models, h, comparison);
+  const double evidence_here = evidenceOf(scene.depth, scene, models, h, comparison(refined));
   PixelVerdict out{h.T_m_c, h.T_w_c, evidence_here, h.coverage, !models.empty()};
-  if (h.coverage.contradicted > 0) out.hiding = bodies.before(*h.T_w_c, picturesOf(models), comparison);
+  if (h.coverage.contradicted > 0)
+    out.hiding = bodies.before(*h.T_w_c, picturesOf(models), comparison(refined));
   return out;
 }
 
@@ -265,27 +263,26 @@ std::vector<PixelVerdict> HypothesisRanking::verdicts(const View& scene,
                                                       const std::vector<Hypothesis>& hypotheses,
                                                       std::size_t n, bool refined,
                                                       PixelVerdicts& known) const {
-  const LooseBodies& bodies = known.bodiesOf(scene);
-  const DepthComparison& comparison = refined ? refined_comparison_ : comparison_;
+  LooseBodies bodies = known.bodiesOf(scene);
   std::vector<PixelVerdict> found(n);
   std::vector<Hypothesis> judged(hypotheses.begin(), hypotheses.begin() + static_cast<std::ptrdiff_t>(n));
   std::size_t best = n;
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = judged[i];
     if (!h.T_w_c) continue;
-    found[i] = known.of(h, {}, [&] { return verdict(scene, bodies, h, refined); });
+    found[i] = known.of(h, refined, {}, [&] { return verdict(scene, bodies, h, refined); });
     h.T_m_c = found[i].T_m_c, h.T_w_c = found[i].T_w_c, h.score = h.consensus + found[i].evidence;
     if (best == n || h.score > judged[best].score) best = i;
   }
   if (bodies.empty() || best == n) return found;
-  const LooseBodies::Chosen furniture = furnitureAt(judged[best], bodies);
+  bodies.keep(furnitureAt(judged[best], bodies));
   for (std::size_t i = 0; i < n; ++i) {
     Hypothesis& h = judged[i];
-    LooseBodies::Chosen left_out = found[i].hiding;
-    for (std::size_t k = 0; k < left_out.size(); ++k) left_out[k] = left_out[k] && !furniture[k];
+    const LooseBodies::Chosen left_out = bodies.otherThanFurniture(found[i].hiding);
     if (!anyOf(left_out)) continue;
-    const PixelVerdict& behind = known.of(h, left_out, [&] {
-      const double of_rest = evidenceOf(bodies.pictureWithout(left_out), scene, neighbours(h), h, comparison);
+    const PixelVerdict& behind = known.of(h, refined, left_out, [&] {
+      const double of_rest =
+          evidenceOf(bodies.pictureWithout(left_out), scene, neighbours(h), h, comparison(refined));
       return PixelVerdict{h.T_m_c, h.T_w_c, of_rest, h.coverage, true};
     });
     if (behind.evidence > found[i].evidence)
@@ -341,11 +338,10 @@ void HypothesisRanking::refinePlaces(const View& scene, std::vector<Hypothesis>&
   score(hypotheses);
 }
 
-Matrix6d HypothesisRanking::shownCovariance(const View& scene, const PoseWithCovariance& prior,
-                                            const Hypothesis& h) const {
+Matrix6d HypothesisRanking::shownCovariance(const View& scene, const LooseBodies& bodies,
+                                            const PoseWithCovariance& prior, const Hypothesis& h) const {
   const std::vector<NearbyView> models = neighbours(h);
   std::vector<PosedPicture> pictures = picturesOf(models);
-  const LooseBodies bodies(scene);
   const DepthPicture depth = bodies.pictureWithout(bodies.before(*h.T_w_c, pictures, comparison_));
   const Eigen::Isometry3d T_w_m = poseOfModel(h);
   PoseWithCovariance found = T_w_m * h.T_m_c, refined = found;
@@ -367,10 +363,11 @@ void HypothesisRanking::stateAsShown(const View& scene,
                                      std::vector<Hypothesis>& hypotheses) const {
   constexpr double kPossible = 0.01;  // probability
   const bool by_pixels = !scene.depth.empty() && params_.evidence.enabled && params_.refinement.enabled;
+  const LooseBodies bodies(scene);
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     Hypothesis& h = hypotheses[i];
     if (by_pixels && h.T_w_c && (i == 0 || h.probability >= kPossible))
-      h.T_m_c.P = shownCovariance(scene, prior_of(h.model), h);
+      h.T_m_c.P = shownCovariance(scene, bodies, prior_of(h.model), h);
     h.T_m_c.P = withSharedErrors(h.T_m_c.P, errors_.rotation_std, errors_.translation_std);
   }
 }

@@ -45,11 +45,12 @@ struct PixelVerdict {
  * refined anew only where it is new. */
 class PixelVerdicts {
 public:
-  /** \brief The verdict on a hypothesis with T_w_c, computed at the first request. \param left_out bodies of
-   * the scene \param judge () -> PixelVerdict */
+  /** \brief The verdict on a hypothesis with T_w_c, computed at the first request. \param refined is it one
+   * after refinement? \param left_out bodies of the scene \param judge () -> PixelVerdict */
   template <typename Judge>
-  const PixelVerdict& of(const Hypothesis& h, const LooseBodies::Chosen& left_out, Judge&& judge) {
-    Key key{h.model, {}, left_out};
+  const PixelVerdict& of(const Hypothesis& h, bool refined, const LooseBodies::Chosen& left_out,
+                         Judge&& judge) {
+    Key key{h.model, {}, refined, left_out};
     Eigen::Map<Eigen::Matrix4d>(std::get<1>(key).data()) = h.T_w_c->matrix();
     const auto known = verdicts_.find(key);
     return known != verdicts_.end() ? known->second : verdicts_.emplace(key, judge()).first->second;
@@ -58,14 +59,9 @@ public:
   const LooseBodies& bodiesOf(const View& scene) { return bodies_ ? *bodies_ : bodies_.emplace(scene); }
 
 private:
-  using Key = std::tuple<int, std::array<double, 16>, LooseBodies::Chosen>;
+  using Key = std::tuple<int, std::array<double, 16>, bool, LooseBodies::Chosen>;
   std::map<Key, PixelVerdict> verdicts_;
   std::optional<LooseBodies> bodies_;
-};
-
-/** \brief The verdicts before and after refinement. */
-struct ComparedAndRefined {
-  PixelVerdicts compared, refined;
 };
 
 /** \brief A view near a hypothesis. */
@@ -86,9 +82,9 @@ public:
   /** \brief Ranks hypotheses of a scene, with T_w_c where it is known. A place that has evidence and was
    * found by n local models independently gets w_s ln n more [nats]. \param known of this scene, from lists
    * that were ranked before; the answer is the same without */
-  void rank(const View& scene, std::vector<Hypothesis>& hypotheses, ComparedAndRefined& known) const;
+  void rank(const View& scene, std::vector<Hypothesis>& hypotheses, PixelVerdicts& known) const;
   void rank(const View& scene, std::vector<Hypothesis>& hypotheses) const {
-    ComparedAndRefined nothing;
+    PixelVerdicts nothing;
     rank(scene, hypotheses, nothing);
   }
 
@@ -151,8 +147,10 @@ protected:
    * before the surfaces of the views are left out if that explains more (localization/METHOD 1.1). */
   double evidence(const View& scene, const LooseBodies& bodies, const std::vector<NearbyView>& neighbours,
                   Hypothesis& h, const DepthComparison& comparison) const;
-  const DepthComparison& comparison() const { return comparison_; }
-  const DepthComparison& refinedComparison() const { return refined_comparison_; }
+  /** \brief How depth is compared at poses before or after refinement. */
+  const DepthComparison& comparison(bool refined) const {
+    return refined ? refined_comparison_ : comparison_;
+  }
 
 private:
   // The pictures of the scene, each with the views near its own camera.
@@ -162,7 +160,8 @@ private:
   void refine(const View& scene, const std::vector<NearbyView>& neighbours, Hypothesis& h) const;
   double evidenceOf(const DepthPicture& depth, const View& scene, const std::vector<NearbyView>& neighbours,
                     Hypothesis& h, const DepthComparison& comparison) const;
-  Matrix6d shownCovariance(const View& scene, const PoseWithCovariance& prior, const Hypothesis& h) const;
+  Matrix6d shownCovariance(const View& scene, const LooseBodies& bodies, const PoseWithCovariance& prior,
+                           const Hypothesis& h) const;
   PixelVerdict verdict(const View& scene, const LooseBodies& bodies, Hypothesis h, bool refined) const;
   std::vector<PixelVerdict> verdicts(const View& scene, const std::vector<Hypothesis>& hypotheses,
                                      std::size_t n, bool refined, PixelVerdicts& known) const;

@@ -53,7 +53,7 @@ private:
   // Wrong poses explain planes by chance, but seldom all pixels that both views see (METHOD 10.6).
   double scoreByPixels(const View& scene, const Hypothesis& h) const override {
     const PairProbabilityCalibration& p = params_.calibration.pair_probability;
-    const DepthComparison& compared = refinedComparison();
+    const DepthComparison& compared = comparison(true);
     const Eigen::Isometry3d& T = h.T_m_c.T;
     const DepthAgreement seen = compared.count(scene.depth, target_->depth, T, kFineColumns),
                          back = compared.count(target_->depth, scene.depth, T.inverse(), kFineColumns);

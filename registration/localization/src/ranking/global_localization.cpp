@@ -124,7 +124,7 @@ void GlobalLocalization::registerWith(const Batch& batch, const Query& query, bo
 }
 
 Localization GlobalLocalization::rank(const Query& query, std::vector<Hypothesis> hypotheses,
-                                      ComparedAndRefined& known) const {
+                                      PixelVerdicts& known) const {
   Localization answer;
   if (map_->models.empty()) answer.reason = "the map has no local model";
   if (query.view.segments.empty()) answer.reason = whyNoHypothesis(query, params_.tree);
@@ -194,7 +194,7 @@ Localization GlobalLocalization::search(const Query& query, const CameraDifferen
                                         const std::function<bool(int)>& excluded, double promising) const {
   Localization answer;
   std::vector<Hypothesis> found;
-  ComparedAndRefined known;
+  PixelVerdicts known;
   for (const NextBatch& next : shortlist_.batches(query, camera.sameMounting(), threads_, excluded)) {
     registerWith(next(bestScore(found)), query, camera.sameMounting(), found);
     answer = rank(query, found, known);

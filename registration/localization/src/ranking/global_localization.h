@@ -75,7 +75,7 @@ private:
   bool mayBeTurned(const Localization& answer) const;
   void registerWith(const Batch& batch, const Query& query, bool keeps_mean,
                     std::vector<Hypothesis>& hypotheses) const;
-  Localization rank(const Query& query, std::vector<Hypothesis> hypotheses, ComparedAndRefined& known) const;
+  Localization rank(const Query& query, std::vector<Hypothesis> hypotheses, PixelVerdicts& known) const;
   Localization search(const Query& query, const CameraDifference& camera,
                       const std::function<bool(int)>& excluded,
                       double promising = std::numeric_limits<double>::lowest()) const;

@@ -31,7 +31,7 @@ PlaceRanking::PlaceRanking(std::shared_ptr<const Map> map, const GlobalLocalizat
     : HypothesisRanking(params, surfacesOf(*map), consideredErrorsOf(*map)),
       map_(std::move(map)),
       params_(params),
-      score_(params, comparison()),
+      score_(params, comparison(false)),
       alignment_(alignmentWithCovariance(true, params.matching)),
       near_(map_, true),
       rendered_(renderedViews(*map_)) {}
@@ -99,7 +99,7 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part, const P
   }
   best->supporting_models = {best->model};
   if (mayHaveEvidence(query.view))
-    best->evidence = evidence(query.view, bodies, around, *best, refinedComparison());
+    best->evidence = evidence(query.view, bodies, around, *best, comparison(true));
   best->score = best->consensus + evidenceWeight() * best->evidence;
   return best;
 }
@@ -110,12 +110,12 @@ double PlaceRanking::oddsOfOther(const View& seen, const View& here, const View&
   const auto evidenceOf = [&](const View& expected) -> std::optional<double> {
     Hypothesis h;
     h.T_w_c = Eigen::Isometry3d::Identity();
-    const double found = evidence(seen, bodies, {{unowned(expected), *h.T_w_c}}, h, comparison());
+    const double found = evidence(seen, bodies, {{unowned(expected), *h.T_w_c}}, h, comparison(false));
     return h.coverage.compared >= kCommon ? std::optional(found) : std::nullopt;
   };
   const std::optional<double> of_here = evidenceOf(here);
   const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
-  bodies.keep(bodies.shown(identity, {{&here.depth, identity}}, comparison()));
+  bodies.keep(bodies.shown(identity, {{&here.depth, identity}}, comparison(false)));
   const std::optional<double> of_other = evidenceOf(other);
   return of_here && of_other ? std::min(0.0, odds(true, {}).slope * (*of_other - *of_here)) : 0;
 }
