@@ -2,7 +2,7 @@
 #include "facts.h"
 #include "pairs/ekf_pose_update.h"
 #include "pairs/hypothesis_tree.h"
-#include "pairs/pair_distance.h"
+#include "pairs/plane_measurement.h"
 
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/pose_prior.h>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pairs/pair_distance.h"
 #include "pairs/plane_measurement.h"
 
 #include <facetloc/features/pose.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pairs/consensus.h"
-#include "pairs/pair_distance.h"
 #include "pairs/plane_measurement.h"
 
 #include <facetloc/testing/random_segments.h>

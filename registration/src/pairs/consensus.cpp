@@ -2,7 +2,6 @@
 #include "pairs/consensus.h"
 
 #include "pairs/cholesky3.h"
-#include "pairs/pair_distance.h"
 #include "pairs/plane_measurement.h"
 
 #include <algorithm>

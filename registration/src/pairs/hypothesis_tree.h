@@ -2,7 +2,6 @@
 #pragma once
 
 #include "pairs/ekf_pose_update.h"
-#include "pairs/pair_distance.h"
 
 #include <facetloc/registration/hypothesis.h>
 #include <facetloc/registration/observability.h>

@@ -2,7 +2,6 @@
 #include "pairs/joint_refinement.h"
 
 #include "pairs/cholesky3.h"
-#include "pairs/pair_distance.h"
 #include "pairs/plane_measurement.h"
 
 #include <facetloc/features/pose.h>
