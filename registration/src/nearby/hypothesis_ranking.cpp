@@ -3,6 +3,7 @@
 
 #include "depth/dense_refinement.h"
 #include "depth/depth_fit.h"
+#include "pairs/consensus.h"
 
 #include <algorithm>
 #include <cmath>
@@ -113,11 +114,6 @@ Coverage coverageOf(const DepthEvidence& found, const View& scene, const std::ve
   const DepthAgreement models = found.ofAllModels();
   return {share(a.judged(), found.pixels), share(a.agree, a.judged()), share(a.contradict, a.judged()),
           share(models.contradict, models.judged()), share(paired, all)};
-}
-
-void sortByScore(std::vector<Hypothesis>& h) {
-  std::stable_sort(h.begin(), h.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
 }
 
 bool samePlace(const Hypothesis& a, const Hypothesis& b) {

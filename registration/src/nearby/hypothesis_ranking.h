@@ -68,6 +68,7 @@ private:
 struct NearbyView {
   std::shared_ptr<const View> view;
   Eigen::Isometry3d T_w_m;
+  int model = 0;  ///< index of the local model that it is of
 };
 
 struct DepthEvidence;

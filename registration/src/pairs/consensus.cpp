@@ -233,4 +233,9 @@ void HypothesisScore::score(const Query& query, const View& model, int columns, 
   h.score += h.free_space;
 }
 
+void sortByScore(std::vector<Hypothesis>& hypotheses) {
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+}
+
 }  // namespace facetloc::internal

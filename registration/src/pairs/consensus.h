@@ -60,4 +60,7 @@ private:
   DepthComparison comparison_;
 };
 
+/** \brief The highest score first. */
+void sortByScore(std::vector<Hypothesis>& hypotheses);
+
 }  // namespace facetloc::internal

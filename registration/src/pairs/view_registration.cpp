@@ -56,8 +56,7 @@ TreeSearchResult ViewRegistration::search(const Query& query, const View& model,
 std::vector<Hypothesis> ViewRegistration::scored(const Query& query, const View& model,
                                                  std::vector<Hypothesis> hypotheses) const {
   for (Hypothesis& h : hypotheses) score_.score(query, model, kFineColumns, h);
-  std::stable_sort(hypotheses.begin(), hypotheses.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+  sortByScore(hypotheses);
   return hypotheses;
 }
 

@@ -180,15 +180,11 @@ void PlaceBelief::inject(int part, const PoseWithCovariance& T_w_c, double log_o
   const std::vector<int> nearest = near_.byPlace(part, T_w_c.T.translation(), 1);
   if (nearest.empty()) return;
   const std::vector<PoseWithCovariance> headings = headingsOf(T_w_c);
-  for (const PoseWithCovariance& pose : headings) {
-    BelievedPlace place;
-    place.T_w_c = pose;
-    place.part = part;
-    place.log_odds = prior_ + log_odds - std::log(headings.size());
-    place.spread = spreadOf(pose.P);  // as whoever says so knows
-    place.match.model = nearest.front();
-    places_.push_back(std::move(place));
-  }
+  Hypothesis match;
+  match.model = nearest.front();
+  // Whoever says so knows how wide it is.
+  for (const PoseWithCovariance& pose : headings)
+    places_.push_back({pose, part, prior_ + log_odds - std::log(headings.size()), match, spreadOf(pose.P)});
   weigh();
 }
 
@@ -355,14 +351,8 @@ void PlaceBelief::hear(const Hypothesis& sure) {
                            ? std::min(kMostDoubt, 0.5 * squaredMahalanobis(first.T_w_c, *sure.T_w_c))
                            : kMostDoubt;
   auto own = std::find_if(places_.begin(), places_.end(), isHeard);
-  if (own == places_.end()) {
-    BelievedPlace place;
-    place.T_w_c = poseOf(sure);
-    place.part = sure.part;
-    place.match = sure;
-    place.log_odds = -std::numeric_limits<double>::infinity();
-    own = places_.insert(places_.end(), std::move(place));
-  }
+  if (own == places_.end())
+    own = places_.insert(own, {poseOf(sure), sure.part, -std::numeric_limits<double>::infinity(), sure});
   double others = 1;
   for (auto place = places_.begin(); place != places_.end(); ++place)
     if (place != own) others += std::exp(place->log_odds);
@@ -401,8 +391,7 @@ double PlaceBelief::addFresh(const View& view, const std::vector<Hypothesis>& fr
   std::vector<Hypothesis> list = fresh;
   for (const Candidates& there : seen)
     for (const Candidate& candidate : there) list.push_back(candidate.match);
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; });
+  sortByScore(list);
   const ScoreOdds odds = ranking_.odds(ranking_.mayHaveEvidence(view), list);
   double best = -kMostOfOneObservation;
   for (const Hypothesis& h : fresh) best = std::max(best, odds(h.score));
@@ -411,14 +400,9 @@ double PlaceBelief::addFresh(const View& view, const std::vector<Hypothesis>& fr
   std::vector<double> before(fresh.size());
   forEachInParallel(static_cast<int>(fresh.size()), threads_,
                     [&](int i) { before[i] = historyOf(fresh[i]); });
-  for (std::size_t i = 0; i < fresh.size(); ++i) {
-    BelievedPlace place;
-    place.T_w_c = poseOf(fresh[i]);
-    place.part = fresh[i].part;
-    place.log_odds = prior_ + before[i] + weight * added(odds(fresh[i].score), best);
-    place.match = fresh[i];
-    places_.push_back(std::move(place));
-  }
+  for (std::size_t i = 0; i < fresh.size(); ++i)
+    places_.push_back({poseOf(fresh[i]), fresh[i].part,
+                       prior_ + before[i] + weight * added(odds(fresh[i].score), best), fresh[i]});
   return best;
 }
 
@@ -458,13 +442,9 @@ std::vector<BelievedPlace> placesOf(const Localization& answer) {
   constexpr double kNowhereLeft = 1e-9;  // rounding error of the probability of nowhere
   const double nowhere = std::max(answer.not_in_map.value_or(1), kNowhereLeft);
   std::vector<BelievedPlace> places;
-  for (const Hypothesis& h : answer.hypotheses) {
-    BelievedPlace& place = places.emplace_back();
-    place.T_w_c = modelPose(h) * h.T_m_c;
-    place.part = h.part;
-    place.log_odds = std::log(std::max(h.probability, kNowhereLeft) / nowhere);
-    place.match = h;
-  }
+  for (const Hypothesis& h : answer.hypotheses)
+    places.push_back(
+        {modelPose(h) * h.T_m_c, h.part, std::log(std::max(h.probability, kNowhereLeft) / nowhere), h});
   return places;
 }
 

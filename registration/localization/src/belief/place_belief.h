@@ -21,11 +21,12 @@ constexpr double kMostLogOdds = 7;
 /** \brief A place where a camera may be. */
 struct BelievedPlace {
   PoseWithCovariance T_w_c;
-  int part = 0;            ///< part of the map in whose frame the pose is
-  double log_odds = 0;     ///< against that the map does not hold the place [nats]
-  double probability = 0;  ///< beside the other places and that
+  int part = 0;         ///< part of the map in whose frame the pose is
+  double log_odds = 0;  ///< against that the map does not hold the place [nats]
+  Hypothesis
+      match{};  ///< with a local model, as of the latest observation; no pairs once the camera has moved
   double spread = 0;       ///< log of as many local models as its Gaussian covers, which its odds know of
-  Hypothesis match;  ///< with a local model, as of the latest observation; no pairs once the camera has moved
+  double probability = 0;  ///< beside the other places and that
 };
 
 /** \brief The belief by all views of a moving camera: Gaussian places with their odds

@@ -76,21 +76,17 @@ std::optional<Hypothesis> PlaceRanking::at(const Query& query, int part, const P
   Hypothesis h;
   h.part = part;
   h.T_w_c = T_w_c.T;
-  const std::vector<int> models = near_.bySight(part, T_w_c.T, kEvidenceReach, kEvidenceModels);
-  if (models.empty()) return {};
+  const std::vector<NearbyView> around = neighbours(h);
+  if (around.empty()) return {};
   LocalMap surroundings;
-  std::vector<NearbyView> around;
-  for (const int i : models) {
-    around.push_back({map_->view(i), *map_->models[i].T_w_m});
-    surroundings.add(i, around.back().view, around.back().T_w_m);
-  }
+  for (const NearbyView& n : around) surroundings.add(n.model, n.view, n.T_w_m);
   const ViewAlignment aligned = alignView(query.view, surroundings, T_w_c, alignment_);
   h.T_w_c = aligned.T_w_c.T;
   std::optional<Hypothesis> best;
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    h.model = models[i];
-    h.T_m_c = around[i].T_w_m.inverse() * aligned.T_w_c;
-    score_.score(query, *around[i].view, kFineColumns, h);
+  for (const NearbyView& n : around) {
+    h.model = n.model;
+    h.T_m_c = n.T_w_m.inverse() * aligned.T_w_c;
+    score_.score(query, *n.view, kFineColumns, h);
     if (!best || h.consensus > best->consensus) best = h;
   }
   for (const SegmentPair& pair : aligned.pairs) {
@@ -123,7 +119,7 @@ double PlaceRanking::oddsOfOther(const View& seen, const View& here, const View&
 std::vector<NearbyView> PlaceRanking::neighbours(const Hypothesis& h) const {
   std::vector<NearbyView> found;
   for (const int i : near_.bySight(h.part, *h.T_w_c, kEvidenceReach, kEvidenceModels))
-    found.push_back({map_->view(i), *map_->models[i].T_w_m});
+    found.push_back({map_->view(i), *map_->models[i].T_w_m, i});
   return found;
 }
 
