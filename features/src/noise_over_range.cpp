@@ -122,23 +122,6 @@ private:
   double mean_ = 0;
 };
 
-}  // namespace
-
-std::vector<NoiseSample> noiseSamples(const DepthImage& image) {
-  std::vector<NoiseSample> samples;
-  if (!image.valid()) return samples;
-  const int width = image.camera.width, height = image.camera.height;
-  const int size = std::max(kSmallestTile, width / kTilesAcross);
-  std::vector<float> inverse(image.depth.size());
-  invertDepth(image.depth.data(), image.depth.size(), 1.f, inverse.data());
-  for (int v = 0; v + size <= height; v += size)
-    for (int u = 0; u + size <= width; u += size)
-      if (const auto sample = Tile(inverse, width, u, v, size).sample()) samples.push_back(*sample);
-  return samples;
-}
-
-namespace {
-
 /** Medians of the quieter half: tiles that are not quite flat make the other. */
 NoiseSample typicalOf(std::vector<NoiseSample> samples) {
   std::sort(samples.begin(), samples.end(), [](const NoiseSample& a, const NoiseSample& b) {
@@ -167,30 +150,6 @@ void dropRelief(std::vector<NoiseBin>& bins) {
              bins.end());
 }
 
-}  // namespace
-
-std::vector<NoiseBin> binned(std::vector<NoiseSample> samples) {
-  std::sort(samples.begin(), samples.end(),
-            [](const NoiseSample& a, const NoiseSample& b) { return a.depth < b.depth; });
-  const auto binOf = [](const NoiseSample& s) { return std::floor(s.depth / kBinWidth); };
-  std::vector<NoiseBin> bins;
-  for (auto first = samples.begin(); first != samples.end();) {
-    const double bin = binOf(*first);
-    const auto end =
-        std::find_if(first, samples.end(), [&](const NoiseSample& s) { return binOf(s) != bin; });
-    if (const auto n = static_cast<std::size_t>(end - first); n >= kFewest) {
-      NoiseBin found{bin * kBinWidth, (bin + 1) * kBinWidth, n, {}};
-      found.typical = typicalOf({first, end});
-      bins.push_back(found);
-    }
-    first = end;
-  }
-  dropRelief(bins);
-  return bins;
-}
-
-namespace {
-
 /** Least squares of sum of parts / measured - 1 over the bins, for some of the three parts.
  * \return the sum of squares; infinite where a part would be negative. */
 double fitParts(const std::vector<NoiseBin>& bins, const std::array<bool, 3>& used, DepthNoise& noise) {
@@ -213,6 +172,39 @@ double fitParts(const std::vector<NoiseBin>& bins, const std::array<bool, 3>& us
 }
 
 }  // namespace
+
+std::vector<NoiseSample> noiseSamples(const DepthImage& image) {
+  std::vector<NoiseSample> samples;
+  if (!image.valid()) return samples;
+  const int width = image.camera.width, height = image.camera.height;
+  const int size = std::max(kSmallestTile, width / kTilesAcross);
+  std::vector<float> inverse(image.depth.size());
+  invertDepth(image.depth.data(), image.depth.size(), 1.f, inverse.data());
+  for (int v = 0; v + size <= height; v += size)
+    for (int u = 0; u + size <= width; u += size)
+      if (const auto sample = Tile(inverse, width, u, v, size).sample()) samples.push_back(*sample);
+  return samples;
+}
+
+std::vector<NoiseBin> binned(std::vector<NoiseSample> samples) {
+  std::sort(samples.begin(), samples.end(),
+            [](const NoiseSample& a, const NoiseSample& b) { return a.depth < b.depth; });
+  const auto binOf = [](const NoiseSample& s) { return std::floor(s.depth / kBinWidth); };
+  std::vector<NoiseBin> bins;
+  for (auto first = samples.begin(); first != samples.end();) {
+    const double bin = binOf(*first);
+    const auto end =
+        std::find_if(first, samples.end(), [&](const NoiseSample& s) { return binOf(s) != bin; });
+    if (const auto n = static_cast<std::size_t>(end - first); n >= kFewest) {
+      NoiseBin found{bin * kBinWidth, (bin + 1) * kBinWidth, n, {}};
+      found.typical = typicalOf({first, end});
+      bins.push_back(found);
+    }
+    first = end;
+  }
+  dropRelief(bins);
+  return bins;
+}
 
 DepthNoise fittedNoise(const std::vector<NoiseBin>& bins) {
   constexpr std::size_t kToTellParts = 3;

@@ -18,7 +18,6 @@
 #include <memory>
 #include <optional>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 namespace facetloc::internal {

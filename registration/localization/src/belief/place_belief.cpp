@@ -100,6 +100,32 @@ double added(double log_odds, double best) {
   return bounded(best) - std::min(2 * kMostOfOneObservation, std::max(0.0, best - log_odds - kAlike));
 }
 
+Eigen::Isometry3d modelPose(const Hypothesis& h) { return *h.T_w_c * h.T_m_c.T.inverse(); }
+
+std::vector<BelievedPlace> placesOf(const Localization& answer) {
+  constexpr double kNowhereLeft = 1e-9;  // rounding error of the probability of nowhere
+  const double nowhere = std::max(answer.not_in_map.value_or(1), kNowhereLeft);
+  std::vector<BelievedPlace> places;
+  for (const Hypothesis& h : answer.hypotheses)
+    places.push_back(
+        {modelPose(h) * h.T_m_c, h.part, std::log(std::max(h.probability, kNowhereLeft) / nowhere), h});
+  return places;
+}
+
+bool isSamePlace(const BelievedPlace& a, const BelievedPlace& b) {
+  if (a.part != b.part) return false;
+  if (kSameAnswer.joins(a.T_w_c.T, b.T_w_c.T)) return true;
+  return squaredMahalanobis(a.T_w_c, b.T_w_c) < kGate;
+}
+
+// Log odds of a place that is not in a list: no likelier than the last of it, nor than an unlisted
+// place.
+double oddsOfUnlisted(const std::vector<BelievedPlace>& list) {
+  double least = 0;
+  for (const BelievedPlace& place : list) least = std::min(least, place.log_odds);
+  return least;
+}
+
 }  // namespace
 
 PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizationParams& localization,
@@ -433,36 +459,6 @@ void PlaceBelief::weigh() {
   for (const BelievedPlace& place : places_) sum += std::exp(place.log_odds);
   for (BelievedPlace& place : places_) place.probability = std::exp(place.log_odds) / sum;
 }
-
-namespace {
-
-Eigen::Isometry3d modelPose(const Hypothesis& h) { return *h.T_w_c * h.T_m_c.T.inverse(); }
-
-std::vector<BelievedPlace> placesOf(const Localization& answer) {
-  constexpr double kNowhereLeft = 1e-9;  // rounding error of the probability of nowhere
-  const double nowhere = std::max(answer.not_in_map.value_or(1), kNowhereLeft);
-  std::vector<BelievedPlace> places;
-  for (const Hypothesis& h : answer.hypotheses)
-    places.push_back(
-        {modelPose(h) * h.T_m_c, h.part, std::log(std::max(h.probability, kNowhereLeft) / nowhere), h});
-  return places;
-}
-
-bool isSamePlace(const BelievedPlace& a, const BelievedPlace& b) {
-  if (a.part != b.part) return false;
-  if (kSameAnswer.joins(a.T_w_c.T, b.T_w_c.T)) return true;
-  return squaredMahalanobis(a.T_w_c, b.T_w_c) < kGate;
-}
-
-// Log odds of a place that is not in a list: no likelier than the last of it, nor than an unlisted
-// place.
-double oddsOfUnlisted(const std::vector<BelievedPlace>& list) {
-  double least = 0;
-  for (const BelievedPlace& place : list) least = std::min(least, place.log_odds);
-  return least;
-}
-
-}  // namespace
 
 Localization smoothedPlaces(const Localization& until_now, const Localization& from_next,
                             const PoseWithCovariance& T_now_next, double prior) {
