@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pairs/depth_alignment.h"
+#include "pairs/view_registration.h"
 
 #include <facetloc/features/camera_model.h>
 #include <facetloc/testing/synthetic_views.h>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "pairs/consensus.h"
-#include "pairs/depth_alignment.h"
 #include "pairs/hypothesis_tree.h"
 #include "pairs/joint_refinement.h"
 
@@ -63,5 +62,24 @@ std::string unconstrainedDirections(const Query& query, const HypothesisTreePara
 
 /** \brief Why a view has no hypothesis, in words. */
 std::string whyNoHypothesis(const Query& query, const HypothesisTreeParams& params);
+
+/** \brief Search for the last translation by dense depth (METHOD 9). */
+struct DepthAlignmentParams {
+  double range = 1.4;      ///< on both sides of the prior mean [m]
+  double step = 0.1;       ///< spacing of the coarse search [m]: near a wall, pixels a step off do not agree
+  double prominence = 12;  ///< margin of the best position over the mean [net agreements of the coarse grid]
+  double runner_up = 8;    ///< how far below the best a second maximum may lie
+  double std = 0.03;       ///< uncertainty of the found position [m]
+};
+
+/** \brief Positions along a unit direction at which both depth pictures agree best, best first, at most two;
+ * empty if nothing along the direction distinguishes the positions.
+ *
+ * \param T_m_c pose whose translation along direction is not known; \param centre prior mean of direction . t
+ * [m]. \return values of direction . t [m]. */
+std::vector<double> alignDepth(const DepthPicture& scene, const DepthPicture& model,
+                               const Eigen::Isometry3d& T_m_c, const Eigen::Vector3d& direction,
+                               double centre, const DepthComparison& comparison,
+                               const DepthAlignmentParams& params = {});
 
 }  // namespace facetloc::internal
