@@ -77,140 +77,139 @@ struct Node {
   PairSet allowed;  // pairs that may follow
 };
 
-class Search {
-public:
-  Search(const std::vector<Segment>& scene, const std::vector<Segment>& model,
-         const std::vector<SegmentPair>& candidates, const PoseWithCovariance& prior,
-         const MatchingParams& matching, const EkfParams& ekf, const HypothesisTreeParams& params,
-         const Matrix6d& known, bool extents)
-      : scene_(scene),
-        model_(model),
-        candidates_(candidates),
-        matching_(matching),
-        ekf_(ekf),
-        params_(params),
-        known_(known),
-        something_known_(!known.isZero()),
-        extents_(extents) {
-    findCompatible();
-    nodes_.push_back({-1, -1, 0, prior, Matrix6d::Zero(), PairSet(words_, ~std::uint64_t{0})});
-    for (std::size_t bit = candidates.size(); bit < words_ * 64; ++bit)
-      nodes_[0].allowed[bit / 64] &= ~(std::uint64_t{1} << (bit % 64));
-  }
+/** A search in progress. */
+struct Search {
+  const std::vector<Segment>& scene;
+  const std::vector<Segment>& model;
+  const std::vector<SegmentPair>& candidates;
+  const MatchingParams& matching;
+  const EkfParams& ekf;
+  const HypothesisTreeParams& params;
+  const Matrix6d& known;
+  const bool extents;
+  std::size_t words = 0;
+  std::vector<PairSet> compatible{};  // for each pair the later ones that are compatible with it
+  std::vector<Node> nodes{};
+  std::priority_queue<std::pair<int, int>>
+      queue{};  // (-last pair, -node): best-ranked last pair first, oldest first
+  TreeSearchResult result{};
 
-  TreeSearchResult run() {
+  TreeSearchResult run(const PoseWithCovariance& prior) {
+    findCompatible();
+    nodes.push_back({-1, -1, 0, prior, Matrix6d::Zero(), PairSet(words, ~std::uint64_t{0})});
+    for (std::size_t bit = candidates.size(); bit < words * 64; ++bit)
+      nodes[0].allowed[bit / 64] &= ~(std::uint64_t{1} << (bit % 64));
     pushNext(0, -1);
-    while (!queue_.empty() && result_.expansions < params_.max_expansions &&
-           static_cast<int>(result_.by_pairs.complete.size()) < params_.max_hypotheses) {
-      const int id = -queue_.top().second;
-      queue_.pop();
-      pushNext(nodes_[id].parent, nodes_[id].last);  // the next sibling, made lazily
+    while (!queue.empty() && result.expansions < params.max_expansions &&
+           static_cast<int>(result.by_pairs.complete.size()) < params.max_hypotheses) {
+      const int id = -queue.top().second;
+      queue.pop();
+      pushNext(nodes[id].parent, nodes[id].last);  // the next sibling, made lazily
       expand(id);
     }
-    return std::move(result_);
+    return std::move(result);
   }
 
-private:
   void findCompatible() {
-    const int m = static_cast<int>(candidates_.size());
-    words_ = (m + 63) / 64;
-    compatible_.assign(m, PairSet(words_, 0));
+    const int m = static_cast<int>(candidates.size());
+    words = (m + 63) / 64;
+    compatible.assign(m, PairSet(words, 0));
     int n_scene = 0, n_model = 0;
-    for (const SegmentPair& c : candidates_) {
+    for (const SegmentPair& c : candidates) {
       n_scene = std::max(n_scene, c.scene + 1);
       n_model = std::max(n_model, c.model + 1);
     }
-    const Relations scene(scene_, n_scene), model(model_, n_model);
+    const Relations of_scene(scene, n_scene), of_model(model, n_model);
     for (int a = 0; a < m; ++a)
       for (int b = a + 1; b < m; ++b) {
-        const SegmentPair &p = candidates_[a], &q = candidates_[b];
+        const SegmentPair &p = candidates[a], &q = candidates[b];
         if (p.scene == q.scene || p.model == q.model) continue;
-        if (consistent(scene.at(p.scene, q.scene), model.at(p.model, q.model), params_.angle_gate))
-          compatible_[a][b / 64] |= std::uint64_t{1} << (b % 64);
+        if (consistent(of_scene.at(p.scene, q.scene), of_model.at(p.model, q.model), params.angle_gate))
+          compatible[a][b / 64] |= std::uint64_t{1} << (b % 64);
       }
   }
 
   // Queues the first pair after the given one that may follow the parent's. Cheap tests come first: most
   // pairs fail.
   void pushNext(int parent, int after) {
-    const Node& p = nodes_[parent];
+    const Node& p = nodes[parent];
     int pair = firstAfter(p.allowed, after);
-    while (pair >= 0 && p.depth > 0 && !plausible(candidates_[pair], p.pose))
+    while (pair >= 0 && p.depth > 0 && !plausible(candidates[pair], p.pose))
       pair = firstAfter(p.allowed, pair);
     if (pair < 0) return;
-    nodes_.push_back({parent, pair, p.depth + 1, {}, Matrix6d::Zero(), {}});
-    queue_.push({-pair, -(static_cast<int>(nodes_.size()) - 1)});
+    nodes.push_back({parent, pair, p.depth + 1, {}, Matrix6d::Zero(), {}});
+    queue.push({-pair, -(static_cast<int>(nodes.size()) - 1)});
   }
 
   bool plausible(const SegmentPair& pair, const PoseWithCovariance& pose) const {
     constexpr double kHopeless = 40;  // before the update: no iteration saves such a pair (METHOD 6.1)
-    const Segment &F = scene_[pair.scene], &Fp = model_[pair.model];
+    const Segment &F = scene[pair.scene], &Fp = model[pair.model];
     return offsetDistance(F, Fp, pose) <= kHopeless &&
-           overlapDistance(F, Fp, pose, matching_.overlap_gate) <= matching_.overlap_gate;
+           overlapDistance(F, Fp, pose, matching.overlap_gate) <= matching.overlap_gate;
   }
 
   void expand(int id) {
-    const SegmentPair& pair = candidates_[nodes_[id].last];
-    const Segment &F = scene_[pair.scene], &Fp = model_[pair.model];
-    const Node& parent = nodes_[nodes_[id].parent];
-    ++result_.expansions;
-    const EkfUpdate update = ekfPoseUpdate(F, Fp, parent.pose, ekf_);
-    if (!update.accepted || update.gain < params_.min_gain) return;
-    Node& node = nodes_[id];
+    const SegmentPair& pair = candidates[nodes[id].last];
+    const Segment &F = scene[pair.scene], &Fp = model[pair.model];
+    const Node& parent = nodes[nodes[id].parent];
+    ++result.expansions;
+    const EkfUpdate update = ekfPoseUpdate(F, Fp, parent.pose, ekf);
+    if (!update.accepted || update.gain < params.min_gain) return;
+    Node& node = nodes[id];
     node.pose = update.pose;
     node.information = parent.information + update.information;
-    node.allowed.resize(words_);
-    for (std::size_t w = 0; w < words_; ++w) node.allowed[w] = parent.allowed[w] & compatible_[node.last][w];
+    node.allowed.resize(words);
+    for (std::size_t w = 0; w < words; ++w) node.allowed[w] = parent.allowed[w] & compatible[node.last][w];
 
     if (keep(node)) return;
-    if (node.depth < params_.max_pairs) pushNext(id, node.last);
+    if (node.depth < params.max_pairs) pushNext(id, node.last);
   }
 
   // True if pairs alone make the pose complete.
   bool keep(const Node& node) {
-    const double max_rotation = params_.complete_rotation_deg * kDegree;
+    const double max_rotation = params.complete_rotation_deg * kDegree;
     const auto isComplete = [&](const PrincipalStd& o) {
-      return o.within(max_rotation, params_.complete_translation);
+      return o.within(max_rotation, params.complete_translation);
     };
     const auto leavesOneFree = [&](const PrincipalStd& o) {
-      return o.oneTranslationFree(max_rotation, params_.complete_translation);
+      return o.oneTranslationFree(max_rotation, params.complete_translation);
     };
     const Eigen::Vector3d none_free = Eigen::Vector3d::Zero();
     const PrincipalStd alone = observability(node.information);
     if (isComplete(alone)) {
-      emit(node, none_free, result_.by_pairs.complete);
+      emit(node, none_free, result.by_pairs.complete);
       return true;
     }
     const bool one_free = leavesOneFree(alone);
-    if (one_free) emit(node, alone.translation_axes.col(2), result_.by_pairs.incomplete);
-    if (extents_) keepByExtents(node, isComplete);
-    std::vector<PoseNode>& with_known = result_.with_known.complete;
-    if (!something_known_ || static_cast<int>(with_known.size()) >= params_.max_hypotheses) return false;
-    const PrincipalStd together = observability(node.information + known_);
+    if (one_free) emit(node, alone.translation_axes.col(2), result.by_pairs.incomplete);
+    if (extents) keepByExtents(node, isComplete);
+    std::vector<PoseNode>& with_known = result.with_known.complete;
+    if (known.isZero() || static_cast<int>(with_known.size()) >= params.max_hypotheses) return false;
+    const PrincipalStd together = observability(node.information + known);
     if (isComplete(together))
       emit(node, none_free, with_known);
     else if (!one_free && leavesOneFree(together))
-      emit(node, together.translation_axes.col(2), result_.with_known.incomplete);
+      emit(node, together.translation_axes.col(2), result.with_known.incomplete);
     return false;
   }
 
   // Pairs have agreed that their segments overlap, which says where the camera is along their planes.
   template <class IsComplete>
   void keepByExtents(const Node& node, const IsComplete& isComplete) {
-    if (static_cast<int>(result_.by_extents.size()) >= params_.max_hypotheses) return;
+    if (static_cast<int>(result.by_extents.size()) >= params.max_hypotheses) return;
     Matrix6d information = Matrix6d::Zero();
     Vector6d gradient = Vector6d::Zero();
-    for (const Node* n = &node; n->parent >= 0; n = &nodes_[n->parent]) {
-      const SegmentPair& pair = candidates_[n->last];
-      const ExtentMeasurement m = measureExtent(scene_[pair.scene], model_[pair.model], node.pose.T);
+    for (const Node* n = &node; n->parent >= 0; n = &nodes[n->parent]) {
+      const SegmentPair& pair = candidates[n->last];
+      const ExtentMeasurement m = measureExtent(scene[pair.scene], model[pair.model], node.pose.T);
       information += informationOf(m);
       gradient += m.H.transpose() * m.W.ldlt().solve(m.h);
     }
-    if (!gradient.allFinite() || !isComplete(observability(node.information + known_ + information))) return;
+    if (!gradient.allFinite() || !isComplete(observability(node.information + known + information))) return;
     Node moved = node;
     moved.pose.P = symmetricInverse(symmetricInverse(node.pose.P) + information);
     moved.pose.T = boxplus(node.pose.T, -moved.pose.P * gradient);
-    emit(moved, Eigen::Vector3d::Zero(), result_.by_extents);
+    emit(moved, Eigen::Vector3d::Zero(), result.by_extents);
   }
 
   // Keeps a pose unless it was found before; of incomplete poses the position along the free direction does
@@ -223,34 +222,19 @@ private:
       if (incomplete && std::abs(other.free_direction.dot(free_direction)) < same_direction) continue;
       Eigen::Vector3d shift = node.pose.T.translation() - other.pose.T.translation();
       if (incomplete) shift -= free_direction * free_direction.dot(shift);
-      if (shift.norm() > factor * params_.duplicate_translation) continue;
+      if (shift.norm() > factor * params.duplicate_translation) continue;
       const double turn = rotationAngle(node.pose.T.linear() * other.pose.T.linear().transpose());
-      if (turn <= factor * params_.duplicate_rotation_deg * kDegree) return;
+      if (turn <= factor * params.duplicate_rotation_deg * kDegree) return;
     }
     PoseNode out;
     out.pose = node.pose;
     out.information = node.information;
     out.free_direction = free_direction;
-    for (const Node* n = &node; n->parent >= 0; n = &nodes_[n->parent])
-      out.pairs.push_back(candidates_[n->last]);
+    for (const Node* n = &node; n->parent >= 0; n = &nodes[n->parent])
+      out.pairs.push_back(candidates[n->last]);
     std::reverse(out.pairs.begin(), out.pairs.end());
     found.push_back(std::move(out));
   }
-
-  const std::vector<Segment>& scene_;
-  const std::vector<Segment>& model_;
-  const std::vector<SegmentPair>& candidates_;
-  const MatchingParams& matching_;
-  const EkfParams& ekf_;
-  const HypothesisTreeParams& params_;
-  const Matrix6d known_;
-  const bool something_known_, extents_;
-  std::size_t words_ = 0;
-  std::vector<PairSet> compatible_;  // for each pair the later ones that are compatible with it
-  std::vector<Node> nodes_;
-  std::priority_queue<std::pair<int, int>>
-      queue_;  // (-last pair, -node): best-ranked last pair first, oldest first
-  TreeSearchResult result_;
 };
 
 }  // namespace
@@ -260,7 +244,7 @@ TreeSearchResult searchHypotheses(const std::vector<Segment>& scene, const std::
                                   const MatchingParams& matching, const EkfParams& ekf,
                                   const HypothesisTreeParams& params, const Matrix6d& known, bool extents) {
   if (candidates.empty()) return {};
-  return Search(scene, model, candidates, prior, matching, ekf, params, known, extents).run();
+  return Search{scene, model, candidates, matching, ekf, params, known, extents}.run(prior);
 }
 
 }  // namespace facetloc::internal
