@@ -116,10 +116,9 @@ private:
 
   bool see(std::string& why_not);
   Localizer& localizer();
-  Localization answer(bool is_image);
-  Localization answerNear(const PoseWithCovariance& guess, const std::string& part, bool is_image);
-  template <typename Answer>
-  bool localizeBy(const Answer& answer, PoseWithCovariance& pose);
+  Localization answer(const std::optional<PoseWithCovariance>& guess, const std::string& part);
+  bool localizeNear(const std::optional<PoseWithCovariance>& guess, const std::string& part,
+                    PoseWithCovariance& pose);
   double nextStamp();
 
   std::shared_ptr<const Map> map_;

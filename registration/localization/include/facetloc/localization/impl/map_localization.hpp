@@ -86,9 +86,26 @@ Localizer& MapLocalization<PointT>::localizer() {
   return *localizer_;
 }
 
+/** Of the view, as an image or the next of a drive. */
 template <typename PointT>
-Localization MapLocalization<PointT>::answer(bool is_image) {
-  if (!is_image && !is_sequence_) return {};
+Localization MapLocalization<PointT>::answer(const std::optional<PoseWithCovariance>& guess,
+                                             const std::string& part) {
+  if (guess) {
+    Localization refused;
+    const auto found = std::find(map_->parts.begin(), map_->parts.end(), part);
+    if (found == map_->parts.end() && !(map_->parts.empty() && part.empty())) {
+      refused.reason = "the map has no part '" + part + "'";
+      return refused;
+    }
+    const int number = static_cast<int>(found - map_->parts.begin());
+    try {
+      if (!is_sequence_) return localizer().localize(view_, *guess, number);
+      localizer().setPose(*guess, number);
+    } catch (const std::invalid_argument& e) {
+      refused.reason = std::string("the guess cannot be used: ") + e.what();
+      return refused;
+    }
+  }
   if (!is_sequence_) return localizer().localize(view_);
   const std::optional<PoseWithCovariance> motion = is_motion_lost_ ? std::nullopt : motion_;
   motion_.reset();
@@ -97,29 +114,8 @@ Localization MapLocalization<PointT>::answer(bool is_image) {
 }
 
 template <typename PointT>
-Localization MapLocalization<PointT>::answerNear(const PoseWithCovariance& guess, const std::string& part,
-                                                 bool is_image) {
-  if (!is_image && !is_sequence_) return {};
-  Localization refused;
-  const auto found = std::find(map_->parts.begin(), map_->parts.end(), part);
-  if (found == map_->parts.end() && !(map_->parts.empty() && part.empty())) {
-    refused.reason = "the map has no part '" + part + "'";
-    return refused;
-  }
-  const int number = static_cast<int>(found - map_->parts.begin());
-  try {
-    if (!is_sequence_) return localizer().localize(view_, guess, number);
-    localizer().setPose(guess, number);
-  } catch (const std::invalid_argument& e) {
-    refused.reason = std::string("the guess cannot be used: ") + e.what();
-    return refused;
-  }
-  return answer(is_image);
-}
-
-template <typename PointT>
-template <typename Answer>
-bool MapLocalization<PointT>::localizeBy(const Answer& answer, PoseWithCovariance& pose) {
+bool MapLocalization<PointT>::localizeNear(const std::optional<PoseWithCovariance>& guess,
+                                           const std::string& part, PoseWithCovariance& pose) {
   pose = PoseWithCovariance();
   view_ = View();
   answer_ = {};
@@ -129,7 +125,7 @@ bool MapLocalization<PointT>::localizeBy(const Answer& answer, PoseWithCovarianc
   }
   std::string why_not;
   const bool is_image = see(why_not);
-  answer_ = answer(is_image);
+  if (is_image || is_sequence_) answer_ = answer(guess, part);
   if (!is_image) answer_.reason = why_not;
   if (answer_.hypotheses.empty()) return false;
   const Hypothesis& best = answer_.hypotheses.front();
@@ -145,15 +141,13 @@ bool MapLocalization<PointT>::localizeBy(const Answer& answer, PoseWithCovarianc
 
 template <typename PointT>
 bool MapLocalization<PointT>::localize(PoseWithCovariance& pose) {
-  return localizeBy([this](bool is_image) { return answer(is_image); }, pose);
+  return localizeNear({}, {}, pose);
 }
 
 template <typename PointT>
 bool MapLocalization<PointT>::localize(PoseWithCovariance& pose, const PoseWithCovariance& guess,
                                        const std::string& part) {
-  // Copies: a caller may give the same pose as guess and result.
-  return localizeBy([this, about = guess, part](bool is_image) { return answerNear(about, part, is_image); },
-                    pose);
+  return localizeNear(std::optional(guess), part, pose);  // a copy: the result may be the same pose
 }
 
 template <typename PointT>
