@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/image_noise.h"
 
-#include "base/float_bits.h"
 #include "base/inverse_depth.h"
+#include "base/lanes.h"
 
 #include <facetloc/features/image_noise.h>
 

@@ -68,6 +68,14 @@ FACETLOC_ALWAYS_INLINE void store(const Lanes& x, T* p, const T* end) {
   for (int k = 0; k < end - p; ++k) p[k] = x[k];
 }
 
+/** \brief The bits of a float. Floats that are not negative order like their bits, so that one comparison of
+ * integers orders by such a float and, behind it, an index. */
+inline std::uint64_t bitsOf(float x) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+
 /** \brief Sums in memory that any allocator may give: vectors want more alignment than that. */
 struct LaneSums {
   double lane[kDoubleLanes] = {};

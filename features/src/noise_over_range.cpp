@@ -62,24 +62,19 @@ public:
 
 private:
   bool has(std::size_t i) const { return inverse_[i] > 0; }
+  int column(std::size_t i) const { return static_cast<int>(i) % size_; }
+  int row(std::size_t i) const { return static_cast<int>(i) / size_; }
 
   /** The plane of the pixels whose residuals so far are within the limit; sets the residuals of all.
    * \return the number of pixels that were used. */
   double fit(double limit) {
     PlaneMoments moments;
-    for (int v = 0; v < size_; ++v)
-      for (int u = 0; u < size_; ++u) {
-        const std::size_t i = static_cast<std::size_t>(v) * size_ + u;
-        if (!has(i) || !(std::abs(residual_[i]) <= limit)) continue;
-        moments.add(u, v, inverse_[i]);
-      }
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      if (has(i) && std::abs(residual_[i]) <= limit) moments.add(column(i), row(i), inverse_[i]);
     const PixelPlane plane = moments.fit().plane;
     mean_ = moments.d / moments.n;
-    for (int v = 0; v < size_; ++v)
-      for (int u = 0; u < size_; ++u) {
-        const std::size_t i = static_cast<std::size_t>(v) * size_ + u;
-        residual_[i] = has(i) ? static_cast<float>(inverse_[i] - plane.at(u, v)) : 0;
-      }
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      residual_[i] = has(i) ? static_cast<float>(inverse_[i] - plane.at(column(i), row(i))) : 0;
     return moments.n;
   }
 

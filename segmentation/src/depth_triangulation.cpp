@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth_triangulation.h"
 
-#include "base/float_bits.h"
 #include "base/lanes.h"
 
 #include <algorithm>

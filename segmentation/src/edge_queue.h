@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/float_bits.h"
+#include "base/lanes.h"
 
 #include <algorithm>
 #include <array>

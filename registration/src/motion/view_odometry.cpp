@@ -26,11 +26,6 @@ constexpr double kGate = chiSquareQuantile(6, 0.99);
 // Keeps the prior regular when no time has passed.
 constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
 
-// Covariance of a camera on a robot that has come onto another piece of an uneven floor.
-Matrix6d joltOf(const CameraMounting& mounting) {
-  return posePrior(mounting, {kLeastRotation / kDegree, kLeastTranslation, {}});
-}
-
 }  // namespace
 
 ViewOdometry::ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
@@ -49,7 +44,7 @@ ViewMotion ViewOdometry::add(const View& view, double dt) {
   camera_motion_.reset();
   if (view.camera && view.camera->mounting) {
     camera_motion_ = cameraMotion(*view.camera->mounting);
-    jolt_ = joltOf(*view.camera->mounting);
+    jolt_ = posePrior(*view.camera->mounting, {kLeastRotation / kDegree, kLeastTranslation, {}});
   }
   const PoseWithCovariance predicted = predict(dt);
   PoseWithCovariance T_o_c = predicted;

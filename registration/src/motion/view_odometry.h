@@ -64,7 +64,7 @@ private:
   ViewAlignmentParams alignment_;
   DepthComparison comparison_;
   std::optional<Matrix6d> camera_motion_;  // motion of the latest camera per motion of its robot on wheels
-  Matrix6d jolt_ = Matrix6d::Zero();       // covariance of it on another piece of floor
+  Matrix6d jolt_ = Matrix6d::Zero();       // covariance of it on another piece of uneven floor
   std::deque<Key> keys_;
   Eigen::Isometry3d T_o_c_ = Eigen::Isometry3d::Identity();
   SideSlip side_slip_;

@@ -106,16 +106,16 @@ public:
     const Vector6d off = boxminus(T, prior_.T);
     return std::min(kMostDoubt, 0.5 * off.dot(prior_factor_.solve(off)));
   }
-  /** The end of an alignment. */
-  std::optional<PlacedView> from(const Eigen::Isometry3d& start, const Matrix6d& about) const {
+  /** Adds the end of an alignment, if enough is compared there. */
+  void addFrom(const Eigen::Isometry3d& start, const Matrix6d& about, std::vector<PlacedView>& ends) const {
     PoseWithCovariance T{start, about};
     T.T = alignView(view_, surroundings_, T, alignment_).T_w_c.T;
     T = alignView(view_, surroundings_, {T.T, aboutStart()}, alignment_).T_w_c;  // with the pairs of its end
     auto placed = at(T.T);
-    if (!placed) return placed;
+    if (!placed) return;
     placed->information = added(T.P, aboutStart());
     placed->log_likelihood -= doubt(T.T);
-    return placed;
+    ends.push_back(*placed);
   }
   /** The motions that the planes leave uncertain, as principal motions with their standard deviations. */
   std::array<Vector6d, 4> openMotions(const Eigen::Isometry3d& T) const;
@@ -205,17 +205,16 @@ std::optional<PlacedView> ViewPlacing::place(const View& view, const View& other
                                              const PoseWithCovariance& prior, bool search) const {
   const ViewPair pair(view, other, prior, alignment_, comparison_, Cost::likelihood);
   std::vector<PlacedView> places;
-  const auto tryFrom = [&](const Eigen::Isometry3d& start, const Matrix6d& about) {
-    if (const auto placed = pair.from(start, about)) places.push_back(*placed);
-  };
-  if (search) tryFrom(prior.T, prior.P);
-  for (const Eigen::Isometry3d& start : starts(view, other, prior, search)) tryFrom(start, aboutStart());
+  if (search) pair.addFrom(prior.T, prior.P, places);
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, search))
+    pair.addFrom(start, aboutStart(), places);
   if (places.empty()) return {};
   PlacedView found = tested(places).front();
   // Few planes may leave a way free, along which pixels see no farther than an edge is wide.
   if (search) {
     const Vector6d step = freeStep(found.information);
-    for (const double shift : {-2, -1, 1, 2}) tryFrom(boxplus(found.T_a_b, shift * step), aboutStart());
+    for (const double shift : {-2, -1, 1, 2})
+      pair.addFrom(boxplus(found.T_a_b, shift * step), aboutStart(), places);
     found = tested(places).front();
   }
   const Vector6d step = freeStep(found.information);
@@ -233,15 +232,13 @@ std::vector<PlacedView> ViewPlacing::modes(const View& view, const View& other,
                                            const PoseWithCovariance& prior) const {
   const ViewPair pair(view, other, prior, alignment_, comparison_, Cost::misfit);
   std::vector<PlacedView> all;
-  const auto tryFrom = [&](const Eigen::Isometry3d& start, const Matrix6d& about) {
-    if (const auto placed = pair.from(start, about)) all.push_back(*placed);
-  };
-  tryFrom(prior.T, prior.P);
-  for (const Eigen::Isometry3d& start : starts(view, other, prior, true)) tryFrom(start, aboutStart());
+  pair.addFrom(prior.T, prior.P, all);
+  for (const Eigen::Isometry3d& start : starts(view, other, prior, true))
+    pair.addFrom(start, aboutStart(), all);
   if (all.empty()) return {};
   const PlacedView best = tested(all).front();
   for (const Vector6d& motion : pair.openMotions(best.T_a_b))
-    for (const Eigen::Isometry3d& start : walked(pair, best, motion)) tryFrom(start, aboutStart());
+    for (const Eigen::Isometry3d& start : walked(pair, best, motion)) pair.addFrom(start, aboutStart(), all);
 
   std::vector<PlacedView> modes;
   for (PlacedView& placed : tested(all)) {

@@ -14,7 +14,6 @@ namespace facetloc::internal {
 class ViewRegistration {
 public:
   explicit ViewRegistration(const ViewRegistrationParams& params = {});
-  const ViewRegistrationParams& params() const { return params_; }
   const HypothesisScore& score() const { return score_; }
 
   /** \brief False if the planes of a view tell so little that align() has no answer, whatever the model. */

@@ -75,12 +75,22 @@ struct Localizer::Impl {
   void reset();
   void forget();  // the places and all that was seen there
 
-  bool isLikely() const;
-  bool isSure() const;
-  bool isSure(const Localization& found) const;
-  bool isFirst(const Hypothesis& h) const;
+  bool isLikely() const {
+    return !belief.places().empty() && belief.places().front().probability >= min_probability;
+  }
+  bool isSure() const { return isLikely() && localization_params.sure.hold(belief.places().front().T_w_c.P); }
+  /** Is a single view sure of a place? */
+  bool isSure(const Localization& found) const {
+    return found.stateAt(min_probability) == AnswerState::sure && found.hypotheses.front().T_w_c;
+  }
+  /** Is it the first place of the belief? */
+  bool isFirst(const Hypothesis& h) const {
+    if (belief.places().empty()) return false;
+    const BelievedPlace& first = belief.places().front();
+    return h.part == first.part && kSamePlace.joins(*h.T_w_c, first.T_w_c.T);
+  }
+  PoseWithCovariance poseOf(const Hypothesis& h) const { return *map->models[h.model].T_w_m * h.T_m_c; }
   void hear(const Localization& found);
-  PoseWithCovariance poseOf(const Hypothesis& h) const;
   void list(const PlaceBelief& of, Localization& out) const;
   Localization localizeNear(const View& view, const PoseWithCovariance& T_w_c, int part) const;
   void requirePart(const PoseWithCovariance& T_w_c, int part) const;
@@ -128,23 +138,6 @@ void Localizer::Impl::forget() {
   contradicted_since.reset();
   quarters.reset();
   latest_observation = next_check = -std::numeric_limits<double>::infinity();
-}
-
-bool Localizer::Impl::isLikely() const {
-  return !belief.places().empty() && belief.places().front().probability >= min_probability;
-}
-
-bool Localizer::Impl::isSure() const {
-  return isLikely() && localization_params.sure.hold(belief.places().front().T_w_c.P);
-}
-
-// Is a single view sure of a place?
-bool Localizer::Impl::isSure(const Localization& found) const {
-  return found.stateAt(min_probability) == AnswerState::sure && found.hypotheses.front().T_w_c;
-}
-
-PoseWithCovariance Localizer::Impl::poseOf(const Hypothesis& h) const {
-  return *localization.map().models[h.model].T_w_m * h.T_m_c;
 }
 
 Localization Localizer::Impl::update(View&& view, double now,
@@ -237,13 +230,6 @@ void Localizer::Impl::search(Step& step) {
   observations_unsearched = 0;
 }
 
-// Is it the first place of the belief?
-bool Localizer::Impl::isFirst(const Hypothesis& h) const {
-  if (belief.places().empty()) return false;
-  const BelievedPlace& first = belief.places().front();
-  return h.part == first.part && kSamePlace.joins(*h.T_w_c, first.T_w_c.T);
-}
-
 // A drive is as sure as an image that is sure of the same place.
 void Localizer::Impl::hear(const Localization& found) {
   if (!isSure(found)) return;
@@ -280,7 +266,7 @@ void Localizer::Impl::list(const PlaceBelief& of, Localization& out) const {
     Hypothesis h = place.match;
     h.part = place.part;
     h.T_w_c = place.T_w_c.T;
-    h.T_m_c = localization.map().models[h.model].T_w_m->inverse() * place.T_w_c;
+    h.T_m_c = map->models[h.model].T_w_m->inverse() * place.T_w_c;
     h.T_m_c.P = withSharedErrors(h.T_m_c.P, errors.rotation_std, errors.translation_std);
     h.probability = place.probability;
     left -= place.probability;
@@ -316,8 +302,7 @@ void Localizer::Impl::requirePart(const PoseWithCovariance& T_w_c, int part) con
   const bool is_finite = T_w_c.T.matrix().allFinite() && T_w_c.P.allFinite();
   if (!is_finite || Eigen::LLT<Matrix6d>(T_w_c.P).info() != Eigen::Success)
     throw std::invalid_argument("the covariance of a pose must be positive definite, and all numbers finite");
-  const std::vector<LocalModel>& models = localization.map().models;
-  if (std::none_of(models.begin(), models.end(),
+  if (std::none_of(map->models.begin(), map->models.end(),
                    [part](const LocalModel& m) { return m.part == part && m.T_w_m; }))
     throw std::invalid_argument("the map has no such part with poses");
 }
@@ -336,8 +321,8 @@ Localization Localizer::Impl::answer(const Step& step) {
     out.reason = "the map contradicts the view";
   if (out.hypotheses.empty() && !step.of_search.empty()) out.reason = step.of_search;
   if (!step.shows_anything && out.state != AnswerState::sure) out.reason = "the view shows no planar segment";
-  const std::vector<LocalModel>& models = localization.map().models;
-  if (std::none_of(models.begin(), models.end(), [](const LocalModel& m) { return m.T_w_m.has_value(); }))
+  if (std::none_of(map->models.begin(), map->models.end(),
+                   [](const LocalModel& m) { return m.T_w_m.has_value(); }))
     out.reason = "no local model of the map has a pose";
   track(out);
   if (out.began_anew) out.reason = step.anew;
@@ -439,7 +424,7 @@ Localization Localizer::update(const DepthImage& image, double stamp,
   Camera seen = impl_->camera;
   seen.intrinsics = image.camera;
   if (!impl_->builder || !(impl_->builder->camera().intrinsics == seen.intrinsics))
-    impl_->builder.emplace(impl_->localization.map().calibrated(seen), ViewParams(), kWorkingWidth);
+    impl_->builder.emplace(impl_->map->calibrated(seen), ViewParams(), kWorkingWidth);
   return impl_->update(impl_->builder->build(image), stamp, motion);
 }
 std::vector<Localization> Localizer::smoothed(const std::vector<DriveView>& drive,
