@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory/camera_speed.h"
-#include "trajectory/tie_search.h"
-#include "trajectory/trajectory_graph.h"
+#include "trajectory/loop_search.h"
 
 #include <facetloc/features/pose.h>
-#include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>
@@ -49,10 +46,9 @@ protected:
     keyframes_ = nullptr;
   }
 
-  static TieSearch search(long long exhaustive_up_to) {
-    TieSearch out{{Eigen::Isometry3d::Identity(), posePrior({})}, kMounting, {2}};
-    out.exhaustive_up_to = exhaustive_up_to;
-    return out;
+  static std::vector<std::pair<int, int>> candidates(long long exhaustive_up_to, int first = 0,
+                                                     const ChunkedWork& work = {2}) {
+    return tieCandidates(*keyframes_, first, kMounting, work, exhaustive_up_to);
   }
   /** How many views of the second round are paired with their neighbours in the first one. */
   static int found(const std::vector<std::pair<int, int>>& pairs) {
@@ -67,46 +63,43 @@ protected:
 std::vector<TrajectoryNode>* TwoRounds::keyframes_ = nullptr;
 
 TEST_F(TwoRounds, ViewsOfOnePlaceArePaired) {
-  const auto pairs = tieCandidates(*keyframes_, 0, search(1'000'000));
+  const auto pairs = candidates(1'000'000);
   EXPECT_GE(found(pairs), 0.8 * kViews);
   for (const auto& [a, b] : pairs) EXPECT_NE((*keyframes_)[a].part, (*keyframes_)[b].part);
 }
 
 TEST_F(TwoRounds, AnIndexFindsThemAsWell) {
-  const int all = found(tieCandidates(*keyframes_, 0, search(1'000'000)));
-  EXPECT_GE(found(tieCandidates(*keyframes_, 0, search(0))), all - 3);
+  const int all = found(candidates(1'000'000));
+  EXPECT_GE(found(candidates(0)), all - 3);
 }
 
 TEST_F(TwoRounds, EachHasABoundedNumberOfPartners) {
   for (const long long exhaustive_up_to : {0, 1'000'000}) {
     std::vector<int> partners(2 * kViews);
-    for (const auto& [a, b] : tieCandidates(*keyframes_, 0, search(exhaustive_up_to))) ++partners[b];
+    for (const auto& [a, b] : candidates(exhaustive_up_to)) ++partners[b];
     EXPECT_LE(*std::max_element(partners.begin(), partners.end()), 25);
   }
 }
 
 TEST_F(TwoRounds, OnlyTheLatestKeyframesAreSearchedForIfAsked) {
-  for (const auto& [a, b] : tieCandidates(*keyframes_, 2 * kViews - 5, search(0)))
-    EXPECT_GE(b, 2 * kViews - 5);
+  for (const auto& [a, b] : candidates(0, 2 * kViews - 5)) EXPECT_GE(b, 2 * kViews - 5);
 }
 
 TEST_F(TwoRounds, ProgressIsReportedOnTheWay) {
-  TieSearch reporting = search(1'000'000);
   std::vector<double> reports;
-  reporting.work.progress = [&](double share) { reports.push_back(share); };
-  const auto pairs = tieCandidates(*keyframes_, 0, reporting);
+  const auto pairs = candidates(1'000'000, 0, {2, [&](double share) { reports.push_back(share); }});
   ASSERT_GE(reports.size(), 3u);  // at the begin, and after each chunk of keyframes
   EXPECT_TRUE(std::is_sorted(reports.begin(), reports.end()));
   EXPECT_EQ(reports.front(), 0);
   EXPECT_GT(reports.back(), 0.5);
   EXPECT_LT(reports.back(), 1);
-  EXPECT_EQ(pairs, tieCandidates(*keyframes_, 0, search(1'000'000))) << "the same without reports";
+  EXPECT_EQ(pairs, candidates(1'000'000)) << "the same without reports";
 }
 
-TEST(TieSearch, OnePartHasNoTies) {
+TEST(TieCandidates, OnePartHasNoTies) {
   const std::vector<TrajectoryNode> one(3, keyframe({}, 7, 0));
-  EXPECT_TRUE(tieCandidates(one, 0, TieSearch{}).empty());
-  EXPECT_TRUE(tieCandidates({}, 0, TieSearch{}).empty());
+  EXPECT_TRUE(tieCandidates(one, 0, {}, {}).empty());
+  EXPECT_TRUE(tieCandidates({}, 0, {}, {}).empty());
 }
 
 constexpr int kLeast = 2;

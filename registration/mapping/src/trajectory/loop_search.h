@@ -1,14 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "graph/pose_graph.h"
-#include "trajectory/camera_speed.h"
-#include "trajectory/chunked_work.h"
-#include "trajectory/trajectory_graph.h"
+#include "threads/in_parallel.h"
+#include "trajectory/keyframe_selection.h"
 
-#include <facetloc/mapping/trajectory_estimation.h>
+#include <algorithm>
 
 namespace facetloc::internal {
+
+/** \brief Threads of a computation, and the function that receives its progress. */
+struct ChunkedWork {
+  int threads = 1;                         ///< 0 = all cores
+  std::function<void(double)> progress{};  ///< receives the share of the work that is done; may be empty
+
+  /** \brief A section of this work, between two shares of it. */
+  ChunkedWork section(double begin, double end) const {
+    if (!progress) return *this;
+    return {threads, [report = progress, begin, end](double done) { report(begin + done * (end - begin)); }};
+  }
+
+  /** \brief Calls a function with 0 .. n - 1 in parallel, and reports progress in between. */
+  void forEach(int n, const std::function<void(int)>& function) const {
+    constexpr int kChunk = 64;
+    for (int first = 0; first < n; first += kChunk) {
+      if (progress) progress(double(first) / n);
+      forEachInParallel(std::min(kChunk, n - first), threads, [&](int i) { function(first + i); });
+    }
+  }
+};
+
+/** \brief Pairs of keyframes of different parts that may show the same place: those close in order, and for
+ * each keyframe the earlier ones whose planes overlay best (localization/METHOD 2.7). Of many keyframes with
+ * a known mounting, only the most similar ones by a PlaceIndex are overlaid.
+ *
+ * \param first number of the first keyframe that pairs are formed with \param exhaustive_up_to pairs up to
+ * which all are compared: an index costs as much as 6000 comparisons for each keyframe */
+std::vector<std::pair<int, int>> tieCandidates(const std::vector<TrajectoryNode>& keyframes, int first,
+                                               const std::optional<CameraMounting>& mounting,
+                                               const ChunkedWork& work,
+                                               long long exhaustive_up_to = 20'000'000);
 
 /** \brief Compares keyframes with earlier ones, and finds the motions between them that can be relied on. */
 class LoopSearch {
