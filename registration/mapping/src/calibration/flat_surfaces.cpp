@@ -89,20 +89,9 @@ private:
   LabelledPlanes planes_;
 };
 
-/** Normal equations of the two bends: of the length of rays, and of a lens. */
-struct BendEquations {
-  Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d g = Eigen::Vector2d::Zero();
-  double squares = 0;
-
-  BendEquations& operator+=(const BendEquations& o) {
-    H += o.H, g += o.g, squares += o.squares;
-    return *this;
-  }
-};
-
-/** The part of the residuals of one surface that a bend explains and a plane does not. */
-BendEquations equationsOf(const FlatSurface& s) {
+/** Weighted products of what a plane does not explain of one surface: of its residuals, of the bend by the
+ * length of rays, and of the bend by a lens. */
+Eigen::Matrix3d productsOf(const FlatSurface& s) {
   const auto n = static_cast<Eigen::Index>(s.samples.size());
   Eigen::Matrix<double, Eigen::Dynamic, 3> plane(n, 3), rest(n, 3);  // rest: inverse depth, and both bends
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -114,12 +103,7 @@ BendEquations equationsOf(const FlatSurface& s) {
   }
   const Eigen::Matrix3d fit = (plane.transpose() * plane).ldlt().solve(plane.transpose() * rest);
   rest -= plane * fit;
-  const Eigen::Matrix3d products = s.weight * (rest.transpose() * rest);
-  BendEquations e;
-  e.H = products.bottomRightCorner<2, 2>();
-  e.g = products.bottomLeftCorner<2, 1>();
-  e.squares = products(0, 0);
-  return e;
+  return s.weight * (rest.transpose() * rest);
 }
 
 }  // namespace
@@ -135,27 +119,31 @@ FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& c
 }
 
 SurfaceBend bendOf(const FlatSurfaces& flat) {
-  std::map<std::size_t, BendEquations> of_images;  // neighbouring pixels and surfaces share their errors
-  BendEquations all;
+  std::map<std::size_t, Eigen::Matrix3d> of_images;  // neighbouring pixels and surfaces share their errors
+  Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
   for (const FlatSurface& s : flat.surfaces) {
-    const BendEquations e = equationsOf(s);
-    of_images[s.image] += e, all += e;
+    const Eigen::Matrix3d products = productsOf(s);
+    of_images.try_emplace(s.image, Eigen::Matrix3d::Zero()).first->second += products;
+    all += products;
   }
+  const Eigen::Matrix2d H = all.bottomRightCorner<2, 2>();  // normal equations of both bends
+  const Eigen::Vector2d g = all.bottomLeftCorner<2, 1>();
   SurfaceBend bend;
   bend.flat_share = flat.flat_share;
-  const Eigen::LDLT<Eigen::Matrix2d> solver(all.H);
-  if (flat.surfaces.empty() || !solver.isPositive() || !(all.H.determinant() > 0)) return bend;
-  const Eigen::Vector2d best = -solver.solve(all.g);
+  const Eigen::LDLT<Eigen::Matrix2d> solver(H);
+  if (flat.surfaces.empty() || !solver.isPositive() || !(H.determinant() > 0)) return bend;
+  const Eigen::Vector2d best = -solver.solve(g);
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const auto& [image, e] : of_images) {
-    const Eigen::Vector2d score = e.g + e.H * best;
+  for (const auto& [image, products] : of_images) {
+    const Eigen::Vector2d score =
+        products.bottomLeftCorner<2, 1>() + products.bottomRightCorner<2, 2>() * best;
     scatter += score * score.transpose();
   }
-  const Eigen::Matrix2d inverse = all.H.inverse(), covariance = inverse * scatter * inverse;
+  const Eigen::Matrix2d inverse = H.inverse(), covariance = inverse * scatter * inverse;
   bend.ray_exponent = best.x(), bend.ray_exponent_std = std::sqrt(covariance(0, 0));
   bend.lens = -best.y(), bend.lens_std = std::sqrt(covariance(1, 1));
-  const double left = all.squares + all.g.dot(best);
-  bend.residual_ratio = left > 0 ? all.squares / left : 1;
+  const double squares = all(0, 0), left = squares + g.dot(best);
+  bend.residual_ratio = left > 0 ? squares / left : 1;
   return bend;
 }
 
