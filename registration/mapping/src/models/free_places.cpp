@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/free_places.h"
 
-#include "models/cube_view.h"
-
 #include <facetloc/features/pose.h>
 
 #include <algorithm>
@@ -28,6 +26,14 @@ constexpr double kStandingRoom = 1.5;     // above a floor, somewhere [m]
 constexpr double kWalled = 0.5;           // share of the horizon that is known, indoors
 constexpr double kGrounded = 0.25;        // known share of the surroundings below
 constexpr std::size_t kWithOutdoors = 5;  // positions to each one that those outdoors may leave
+
+/** A camera that looks along a direction. */
+Eigen::Isometry3d lookingAlong(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), direction);
+  T.translation() = from;
+  return T;
+}
 
 /** Statistics of the rays around a place. */
 class Surroundings {
@@ -140,11 +146,17 @@ private:
     return {column % nx_, column / nx_, layer};
   }
   bool isFree(const Cell& cell) const {
+    constexpr int kSide = 24;  // [px] of each face of a cube
     const Eigen::Vector3d place = position(cell);
     if (!probe_.isFree(place)) return false;
     Surroundings surroundings(rules_, heightOf(cell[2]));
-    probe_.around(place, [&](const Eigen::Vector3d& direction, double distance) {
-      surroundings.add(direction, distance);
+    probe_.look(place, kSide, [&](const Eigen::Isometry3d& T_up_c, const DepthImage& face) {
+      for (int v = 0; v < kSide; ++v)
+        for (int u = 0; u < kSide; ++u) {
+          const Eigen::Vector3d ray = T_up_c.linear() * face.camera.ray(u, v);
+          const float z = face.at(u, v);
+          surroundings.add(ray.normalized(), isMeasured(z) ? z * ray.norm() : kNothing);
+        }
     });
     return surroundings.isFree();
   }
@@ -261,7 +273,9 @@ private:
 }  // namespace
 
 double SpaceProbe::along(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const {
-  return distanceAlong(surface_, from, direction, T_w_up_);
+  constexpr Intrinsics kRay{1, 1, 1, 1, 0, 0};
+  const float z = surface_.render(kRay, T_w_up_ * lookingAlong(from, direction)).at(0, 0);
+  return isMeasured(z) ? z : kNothing;
 }
 
 std::vector<double> SpaceProbe::heightsBelow(Eigen::Vector3d from, double lowest) const {
@@ -277,18 +291,15 @@ std::vector<double> SpaceProbe::heightsBelow(Eigen::Vector3d from, double lowest
   return heights;
 }
 
-void SpaceProbe::around(const Eigen::Vector3d& position,
-                        const std::function<void(const Eigen::Vector3d&, double)>& take) const {
-  constexpr int kSide = 24;  // [px] of each face of a cube
-  lookAround(surface_, T_w_up_, position, kSide,
-             [&](const Eigen::Isometry3d& T_up_c, const DepthImage& face) {
-               for (int v = 0; v < kSide; ++v)
-                 for (int u = 0; u < kSide; ++u) {
-                   const Eigen::Vector3d ray = T_up_c.linear() * face.camera.ray(u, v);
-                   const float z = face.at(u, v);
-                   take(ray.normalized(), isMeasured(z) ? z * ray.norm() : kNothing);
-                 }
-             });
+void SpaceProbe::look(const Eigen::Vector3d& position, int side,
+                      const std::function<void(const Eigen::Isometry3d&, const DepthImage&)>& take) const {
+  const double half = side / 2.0;
+  const Intrinsics face{side, side, half, half, half - 0.5, half - 0.5};
+  for (const int axis : {0, 1, 2})
+    for (const double sign : {-1.0, 1.0}) {
+      const Eigen::Isometry3d T_up_c = lookingAlong(position, sign * Eigen::Vector3d::Unit(axis));
+      take(T_up_c, surface_.render(face, T_w_up_ * T_up_c));
+    }
 }
 
 Eigen::AlignedBox3d SpaceProbe::bounds() const {

@@ -11,16 +11,17 @@ namespace facetloc::internal {
 /** \brief Rays and looks around in a surface, in a frame with z up. Thread-safe. */
 class SpaceProbe {
 public:
-  SpaceProbe(const Surface& surface, const Eigen::Isometry3d& T_w_up) : surface_(surface), T_w_up_(T_w_up) {}
+  explicit SpaceProbe(const Surface& surface, const Eigen::Isometry3d& T_w_up = Eigen::Isometry3d::Identity())
+      : surface_(surface), T_w_up_(T_w_up) {}
 
   /** \brief Distance to the surface along a unit vector [m]; infinite where nothing is met. */
   double along(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const;
   /** \brief Heights of all surfaces on a vertical line below a point, the highest first [m]. */
   std::vector<double> heightsBelow(Eigen::Vector3d from, double lowest) const;
-  /** \brief Calls a function with (unit direction, distance) of rays to all sides; infinite where nothing is
-   * met. */
-  void around(const Eigen::Vector3d& position,
-              const std::function<void(const Eigen::Vector3d&, double)>& take) const;
+  /** \brief All around a position: calls a function with the pose T_up_c and the image of each face of a cube
+   * of side x side pixels. */
+  void look(const Eigen::Vector3d& position, int side,
+            const std::function<void(const Eigen::Isometry3d& T_up_c, const DepthImage& face)>& take) const;
   /** \brief Whether the surface knows of nothing else than its shape that keeps a camera away. */
   bool isFree(const Eigen::Vector3d& position) const { return surface_.isFree(T_w_up_ * position); }
   /** \brief Bounds of the surface in the frame with z up. */

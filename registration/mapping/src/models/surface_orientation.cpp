@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/median.h"
-#include "models/cube_view.h"
+#include "models/free_places.h"
 #include "threads/in_parallel.h"
 
-#include <facetloc/mapping/surface.h>
+#include <facetloc/features/pose.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -76,30 +76,28 @@ bool planeAt(const DepthImage& face, int u, int v, SurfaceSample& sample) {
   return true;
 }
 
-Surroundings lookedAt(const Surface& surface, const Eigen::Vector3d& position) {
+Surroundings lookedAt(const SpaceProbe& space, const Eigen::Vector3d& position) {
   Surroundings seen;
   seen.position = position;
   std::vector<double> distances;
   double all = 0, known = 0;
-  lookAround(surface, Eigen::Isometry3d::Identity(), position, kSide,
-             [&](const Eigen::Isometry3d& T_w_c, const DepthImage& face) {
-               for (int v = 0; v < kSide; ++v)
-                 for (int u = 0; u < kSide; ++u) {
-                   const double length = face.camera.ray(u, v).norm();
-                   const double solid_angle = 1 / (length * length * length);
-                   all += solid_angle;
-                   if (!isMeasured(face.at(u, v))) continue;
-                   known += solid_angle;
-                   distances.push_back(face.at(u, v) * length);
-                   SurfaceSample sample;
-                   if (u == 0 || v == 0 || u == kSide - 1 || v == kSide - 1 || !planeAt(face, u, v, sample))
-                     continue;
-                   sample.point = (T_w_c * sample.point.cast<double>()).cast<float>();
-                   sample.normal = T_w_c.linear().cast<float>() * sample.normal;
-                   sample.weight = static_cast<float>(solid_angle);
-                   seen.samples.push_back(sample);
-                 }
-             });
+  space.look(position, kSide, [&](const Eigen::Isometry3d& T_w_c, const DepthImage& face) {
+    for (int v = 0; v < kSide; ++v)
+      for (int u = 0; u < kSide; ++u) {
+        const double length = face.camera.ray(u, v).norm();
+        const double solid_angle = 1 / (length * length * length);
+        all += solid_angle;
+        if (!isMeasured(face.at(u, v))) continue;
+        known += solid_angle;
+        distances.push_back(face.at(u, v) * length);
+        SurfaceSample sample;
+        if (u == 0 || v == 0 || u == kSide - 1 || v == kSide - 1 || !planeAt(face, u, v, sample)) continue;
+        sample.point = (T_w_c * sample.point.cast<double>()).cast<float>();
+        sample.normal = T_w_c.linear().cast<float>() * sample.normal;
+        sample.weight = static_cast<float>(solid_angle);
+        seen.samples.push_back(sample);
+      }
+  });
   seen.known = known / all;
   if (!distances.empty()) seen.distance = median(distances);
   return seen;
@@ -118,14 +116,14 @@ double usualDistance(const std::vector<Surroundings>& all) {
 
 /** Looks around from positions spread over the bounds, as far as they are in free space that the
  * surface surrounds. \param threads 0 = all cores */
-SurfaceSamples samplesFromInside(const Surface& surface, int threads) {
+SurfaceSamples samplesFromInside(const SpaceProbe& space, int threads) {
   SurfaceSamples out;
-  const Eigen::AlignedBox3d bounds = surface.bounds();
+  const Eigen::AlignedBox3d bounds = space.bounds();
   if (bounds.isEmpty()) return out;
   std::vector<Surroundings> seen(kPositions);
   forEachInParallel(kPositions, threads, [&](int i) {
     const Eigen::Vector3d share(radicalInverse(i + 1, 2), radicalInverse(i + 1, 3), radicalInverse(i + 1, 5));
-    seen[static_cast<std::size_t>(i)] = lookedAt(surface, bounds.min() + share.cwiseProduct(bounds.sizes()));
+    seen[static_cast<std::size_t>(i)] = lookedAt(space, bounds.min() + share.cwiseProduct(bounds.sizes()));
   });
   const auto inside =
       std::count_if(seen.begin(), seen.end(), [](const Surroundings& s) { return s.known >= kSurrounded; });
@@ -270,10 +268,10 @@ private:
   std::vector<const SurfaceSample*> rest_;
 };
 
-double clearHeight(const Surface& surface, const SurfaceSamples& seen, const Eigen::Vector3d& axis) {
+double clearHeight(const SpaceProbe& space, const SurfaceSamples& seen, const Eigen::Vector3d& axis) {
   std::vector<double> heights;
   for (const Eigen::Vector3d& p : seen.positions) {
-    const double height = distanceAlong(surface, p, axis) + distanceAlong(surface, p, -axis);
+    const double height = space.along(p, axis) + space.along(p, -axis);
     if (std::isfinite(height)) heights.push_back(height);
   }
   return 2 * heights.size() < seen.positions.size() || heights.empty() ? 0 : median(heights);
@@ -281,11 +279,11 @@ double clearHeight(const Surface& surface, const SurfaceSamples& seen, const Eig
 
 /** Weight of objects above a floor, by how much more room is above than below them: of a table its top,
  * not its underside. */
-double furnitureOn(const Surface& surface, const Levels& floors, const Eigen::Vector3d& up, double room) {
+double furnitureOn(const SpaceProbe& space, const Levels& floors, const Eigen::Vector3d& up, double room) {
   double weight = 0;
   for (const SurfaceSample* sample : floors.rest()) {
     const Eigen::Vector3d from = sample->point.cast<double>() + kOff * room * up;
-    const double before = std::min(1.0, distanceAlong(surface, from, up) / room);
+    const double before = std::min(1.0, space.along(from, up) / room);
     weight += std::max(0.0, 2 * before - 1) * sample->weight;
   }
   return weight;
@@ -334,14 +332,14 @@ double squareShare(const Samples& samples, const Eigen::Vector3d& axis) {
   return share;
 }
 
-SurfaceAxis axisAlong(const Surface& surface, const SurfaceSamples& seen, const Eigen::Vector3d& direction) {
+SurfaceAxis axisAlong(const SpaceProbe& space, const SurfaceSamples& seen, const Eigen::Vector3d& direction) {
   const double thickness = kLevel * seen.distance;
   const Levels along(seen.samples, direction, thickness), against(seen.samples, -direction, thickness);
   SurfaceAxis axis{direction, std::max(along.largest(), against.largest()), 0, 0, 0};
-  axis.clear_height = clearHeight(surface, seen, direction);
+  axis.clear_height = clearHeight(space, seen, direction);
   const double height = axis.clear_height > 0 ? axis.clear_height : extentAlong(seen.samples, direction);
-  const double on_floors = furnitureOn(surface, along, direction, height),
-               on_ceilings = furnitureOn(surface, against, -direction, height);
+  const double on_floors = furnitureOn(space, along, direction, height),
+               on_ceilings = furnitureOn(space, against, -direction, height);
   const int open = openSide(along, against);
   axis.upwards = open != 0 || axis.clear_height == 0 ? open : furnishedSide(on_floors, on_ceilings);
   const double furniture = std::log((on_floors + kFewThings) / (on_ceilings + kFewThings));
@@ -412,10 +410,11 @@ SurfaceOrientation::Judgement SurfaceOrientation::judge(const Eigen::Vector3d& u
 }
 
 SurfaceOrientation orientationOf(const Surface& surface, int threads) {
+  const SpaceProbe space(surface);
   SurfaceOrientation found;
-  const SurfaceSamples seen = samplesFromInside(surface, threads);
+  const SurfaceSamples seen = samplesFromInside(space, threads);
   for (const Eigen::Vector3d& direction : axesOf(seen.samples))
-    found.axes.push_back(axisAlong(surface, seen, direction));
+    found.axes.push_back(axisAlong(space, seen, direction));
   std::stable_sort(found.axes.begin(), found.axes.end(),
                    [](const SurfaceAxis& a, const SurfaceAxis& b) { return a.evidence > b.evidence; });
   return found;
