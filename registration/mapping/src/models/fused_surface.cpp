@@ -45,11 +45,9 @@ int sharedPixels(const SurfacePatches& picture, const Intrinsics& camera, const 
   int shared = 0;
   for (int v = kSampleStep / 2; v < picture.camera.height; v += kSampleStep)
     for (int u = kSampleStep / 2; u < picture.camera.width; u += kSampleStep) {
-      const SurfacePatches::Patch& patch = picture.at(u, v);
-      if (!patch.known()) continue;
-      const Eigen::Vector3d ray = picture.camera.ray(u, v);
-      const Eigen::Vector3d p =
-          T * Eigen::Vector3d(ray / Eigen::Vector3d(patch.m_x, patch.m_y, patch.m_z).dot(ray));
+      const Eigen::Vector3d m = picture.at(u, v).cast<double>(), ray = picture.camera.ray(u, v);
+      if (m.isZero(0)) continue;
+      const Eigen::Vector3d p = T * Eigen::Vector3d(ray / m.dot(ray));
       if (p.z() <= 0) continue;
       const Eigen::Vector2d pixel = camera.project(p);
       shared += pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera.width && pixel.y() < camera.height;
@@ -107,8 +105,6 @@ FusedSurface::FusedSurface(const std::vector<PosedPicture>& pictures, int thread
                                                           pictures[i].picture->inverse_depth.end(), 0));
     pictures_[i] = patchesOf(pictures[i], gone);
   });
-  for (const SurfacePatches& picture : pictures_)
-    if (!picture.box.isEmpty()) bounds_.extend(picture.box);
   const double all = std::accumulate(pixels.begin(), pixels.end(), 0.0);
   if (all > 0) contradicted_ = std::accumulate(left_out.begin(), left_out.end(), 0.0) / all;
 }
@@ -143,10 +139,6 @@ RenderedDepth FusedSurface::renderWithErrors(const Intrinsics& camera, const Eig
         depth = 0;
     }
   return out;
-}
-
-DepthImage FusedSurface::render(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c) const {
-  return renderWithErrors(camera, T_w_c).image;
 }
 
 SeenSpace::SeenSpace(const std::vector<PosedPicture>& pictures) {

@@ -3,14 +3,6 @@
 
 #include "models/patch_raster.h"
 
-#include <facetloc/features/depth_picture.h>
-#include <facetloc/mapping/surface.h>
-
-#include <Eigen/Geometry>
-
-#include <cstdint>
-#include <vector>
-
 namespace facetloc::internal {
 
 /** \brief The space that depth pictures have looked into, as a grid of cells: the space between a camera and
@@ -50,15 +42,13 @@ private:
  * out, surfaces hidden from the others stay. Where several pictures show a point of a rendered image, it has
  * their mean, each by its own error. A pixel is unknown where the nearest surface is seen from behind, where
  * nothing was seen, and where the way to the surface leads through space that no picture has looked into. */
-class FusedSurface final : public Surface {
+class FusedSurface {
 public:
   /** \param pictures of known poses; they must outlive it \param threads 0 = all cores */
   FusedSurface(const std::vector<PosedPicture>& pictures, int threads);
 
-  DepthImage render(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c) const override;
-  Eigen::AlignedBox3d bounds() const override { return bounds_; }
-  /** \brief The same with its errors. \param step every step-th pixel of the pictures is taken, in both
-   * directions: for a first look */
+  /** \brief The depth image of an ideal camera, with its errors; 0 where the surface is unknown. \param step
+   * every step-th pixel of the pictures is taken, in both directions: for a first look */
   RenderedDepth renderWithErrors(const Intrinsics& camera, const Eigen::Isometry3d& T_w_c,
                                  int step = 1) const;
   const SeenSpace& space() const { return space_; }
@@ -69,7 +59,6 @@ private:
 
   std::vector<SurfacePatches> pictures_;
   SeenSpace space_;
-  Eigen::AlignedBox3d bounds_;
   double contradicted_ = 0;
 };
 

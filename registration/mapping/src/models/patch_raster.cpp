@@ -61,24 +61,24 @@ bool fit(const Neighbours& near, Eigen::Vector3d& plane) {
 }
 
 /** The plane that most neighbours lie on; nothing known at an edge and at a lone pixel. */
-SurfacePatches::Patch patchOf(const DepthPicture& picture, int u, int v) {
+Eigen::Vector3f patchOf(const DepthPicture& picture, int u, int v) {
   const auto stored = picture.inverse_depth[static_cast<std::size_t>(v) * picture.camera.width + u];
-  if (stored == 0) return {};
+  if (stored == 0) return Eigen::Vector3f::Zero();
   const double rho = DepthPicture::kQuantum * stored;
   const double noise = picture.noise.ofInverseDepth(1 / rho) + DepthPicture::kQuantum;
   Neighbours near = neighboursOf(picture, u, v, rho, noise);
   Eigen::Vector3d plane;
-  if (near.size < kFewest || !fit(near, plane)) return {};
+  if (near.size < kFewest || !fit(near, plane)) return Eigen::Vector3f::Zero();
   const auto isOff = [&](const Neighbours::Pixel& p) {
     return std::abs(p.rho - plane.dot(Eigen::Vector3d(p.u, p.v, 1))) > kNoises * noise;
   };
   const auto end =
       std::remove_if(near.pixel.begin(), near.pixel.begin() + static_cast<std::ptrdiff_t>(near.size), isOff);
   near.size = static_cast<std::size_t>(end - near.pixel.begin());
-  if (near.size < kFewest || !fit(near, plane) || isOff({0, 0, 0})) return {};
+  if (near.size < kFewest || !fit(near, plane) || isOff({0, 0, 0})) return Eigen::Vector3f::Zero();
   const double value = rho + plane.z();
   const Eigen::Vector2d slope(plane.x() * picture.camera.fx, plane.y() * picture.camera.fy);
-  if (value <= 0 || slope.norm() > kSteepest * value) return {};
+  if (value <= 0 || slope.norm() > kSteepest * value) return Eigen::Vector3f::Zero();
   const Eigen::Vector3d ray = picture.camera.ray(u, v);
   return {static_cast<float>(slope.x()), static_cast<float>(slope.y()),
           static_cast<float>(value - slope.x() * ray.x() - slope.y() * ray.y())};
@@ -92,14 +92,14 @@ SurfacePatches patchesOf(const PosedPicture& posed, const std::vector<char>& lef
   out.camera = picture.camera;
   out.T_w_c = posed.T_w_c;
   out.noise = picture.noise;
-  out.patch.resize(picture.inverse_depth.size());
+  out.patch.assign(picture.inverse_depth.size(), Eigen::Vector3f::Zero());
   std::size_t at = 0;
   for (int v = 0; v < picture.camera.height; ++v)
     for (int u = 0; u < picture.camera.width; ++u, ++at) {
       if (!left_out.empty() && left_out[at]) continue;
-      const SurfacePatches::Patch patch = patchOf(picture, u, v);
-      const Eigen::Vector3d ray = picture.camera.ray(u, v);
-      const double rho = Eigen::Vector3d(patch.m_x, patch.m_y, patch.m_z).dot(ray);
+      const Eigen::Vector3f patch = patchOf(picture, u, v);
+      const Eigen::Vector3d m = patch.cast<double>(), ray = picture.camera.ray(u, v);
+      const double rho = m.dot(ray);
       if (rho <= 0) continue;
       out.patch[at] = patch;
       out.box.extend(out.T_w_c * Eigen::Vector3d(ray / rho));
@@ -132,9 +132,8 @@ void PatchRaster::draw(const SurfacePatches& picture, int step) {
   Quad quad;
   for (int v = step / 2; v < picture.camera.height; v += step)
     for (int u = step / 2; u < picture.camera.width; u += step) {
-      const SurfacePatches::Patch& patch = picture.at(u, v);
-      if (!patch.known()) continue;
-      const Eigen::Vector3f m(patch.m_x, patch.m_y, patch.m_z);
+      const Eigen::Vector3f& m = picture.at(u, v);
+      if (m.isZero(0)) continue;
       const Eigen::Vector3f turned = T.linear() * m;
       const float side = 1 + turned.dot(T.translation());
       if (std::abs(side) < 1e-3F) continue;  // the camera is in the plane

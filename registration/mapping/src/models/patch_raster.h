@@ -16,18 +16,16 @@ namespace facetloc::internal {
  * those across a silhouette are left out, and the noise of one pixel does not decide which way a patch faces.
  * A point p of the picture's optical frame lies on the plane if m . p = 1. */
 struct SurfacePatches {
-  struct Patch {
-    float m_x = 0, m_y = 0, m_z = 0;  ///< plane [1/m]; all 0 where the pixel is unknown or shows no surface
-    bool known() const { return m_x != 0 || m_y != 0 || m_z != 0; }
-  };
+  Intrinsics camera;        ///< intrinsics of the picture
+  Eigen::Isometry3d T_w_c;  ///< pose of its camera
+  DepthNoise noise;         ///< noise of its pixels
+  /// plane m of each pixel, row-major [1/m]; 0 where it is unknown or shows no surface
+  std::vector<Eigen::Vector3f> patch;
+  Eigen::AlignedBox3d box;  ///< box around the patches, in the world
 
-  Intrinsics camera;         ///< intrinsics of the picture
-  Eigen::Isometry3d T_w_c;   ///< pose of its camera
-  DepthNoise noise;          ///< noise of its pixels
-  std::vector<Patch> patch;  ///< row-major
-  Eigen::AlignedBox3d box;   ///< box around the patches, in the world
-
-  const Patch& at(int u, int v) const { return patch[static_cast<std::size_t>(v) * camera.width + u]; }
+  const Eigen::Vector3f& at(int u, int v) const {
+    return patch[static_cast<std::size_t>(v) * camera.width + u];
+  }
 };
 
 /** \param left_out of each pixel: it shows no surface. Empty: none is */

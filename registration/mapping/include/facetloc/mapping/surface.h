@@ -11,7 +11,7 @@
 
 namespace facetloc {
 
-/** \brief Surface of a building that depth images can be rendered of: a mesh, a cloud, fused depth images. */
+/** \brief Surface of a building that depth images can be rendered of: a mesh, a cloud, a floor plan. */
 class Surface {
 public:
   virtual ~Surface() = default;
