@@ -8,8 +8,6 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr PlaceTolerance kTolerance{0.3, 5 * kDegree};
-
 Eigen::Isometry3d at(double x, double y, double heading_deg) {
   return Eigen::Translation3d(x, y, 1) * Eigen::Isometry3d(expSO3({0, 0, heading_deg * kDegree}));
 }
@@ -31,8 +29,7 @@ protected:
       return std::optional(T);
     };
     std::vector<int> keyframes;
-    for (const FoundKeyframe& f : consensusAlignment(found, relative, kTolerance, least))
-      keyframes.push_back(f.keyframe);
+    for (const FoundKeyframe& f : consensusAlignment(found, relative, least)) keyframes.push_back(f.keyframe);
     return keyframes;
   }
 

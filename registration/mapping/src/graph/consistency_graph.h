@@ -3,44 +3,9 @@
 
 #include "graph/pose_graph.h"
 
-#include <facetloc/features/pose.h>
-
-#include <functional>
-#include <optional>
 #include <utility>
-#include <vector>
 
 namespace facetloc::internal {
-
-/** \brief The relation of two findings. */
-enum class Agreement : char { says_nothing, agree, contradict };
-
-/** \brief Findings of which some may be wrong, each compared with each other: right ones agree, and wrong
- * ones seldom do (pairwise consistency after Mangelson et al., ICRA 2018). */
-class ConsistencyGraph {
-public:
-  using Set = std::vector<int>;  ///< numbers of findings
-  using Size = std::function<int(const Set&)>;
-
-  ConsistencyGraph(int n, const std::function<Agreement(int i, int j)>& compare);
-
-  /** \brief Findings that all agree with each other, and those that contradict one of them. */
-  struct Largest {
-    Set members, against;
-    bool is_clear = false;  ///< a contradicting set is less than half as large
-  };
-  /** \brief The largest set among some findings that a greedy search from each of them finds. \param size by
-   * which sets are compared Same input, same answer. */
-  Largest largest(const Set& among, const Size& size) const;
-
-private:
-  Set largestSet(const Set& among, const Size& size) const;
-
-  std::vector<std::vector<Agreement>> verdicts_;
-};
-
-/** \brief 0, 1, ..., n - 1 */
-ConsistencyGraph::Set allOf(int n);
 
 /** \brief True for two nodes that see different things. */
 using NodesApart = std::function<bool(int, int)>;
@@ -66,22 +31,15 @@ struct FoundKeyframe {
   PoseWithCovariance T_w_c;  ///< pose in the map
 };
 
-/** \brief Tolerance for the distance of two found keyframes, beyond the errors of the session. */
-struct PlaceTolerance {
-  double distance = 0;  ///< [m]
-  double rotation = 0;  ///< [rad]
-};
-
 /** \brief T_a_b of two keyframes by the session alone; nothing if it does not know. */
 using RelativePose = std::function<std::optional<PoseWithCovariance>(int a, int b)>;
 
 /** \brief The largest set of found keyframes in which each two are as far from each other as the session
- * says.
+ * says, within kSameAnswer and its errors.
  *
  * Nothing if it is smaller than `least`, or if a set that contradicts it is more than half as large: places
  * that look the same confirm each other. Same input, same answer. */
 std::vector<FoundKeyframe> consensusAlignment(const std::vector<FoundKeyframe>& found,
-                                              const RelativePose& relative, const PlaceTolerance& tolerance,
-                                              std::size_t least);
+                                              const RelativePose& relative, std::size_t least);
 
 }  // namespace facetloc::internal

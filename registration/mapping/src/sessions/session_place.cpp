@@ -28,9 +28,6 @@ constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 // Standard deviations of a keyframe in the map, beyond which nothing is concluded from it [rad, m].
 constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;
 
-// Tolerance for two images that agree on a place, beyond the trajectory's errors.
-constexpr PlaceTolerance kTolerance{kSameAnswer.distance, kDegree* kSameAnswer.angle_deg};
-
 /** The sure answers of all keyframes, none of which has a place yet. */
 std::vector<FoundKeyframe> sureKeyframes(const GlobalLocalization& localization,
                                          const CameraTrajectory& trajectory, int threads,
@@ -132,7 +129,7 @@ SessionPlace internal::placeInMap(const GlobalLocalization& localization, const 
   for (const int part : trajectory.parts()) {
     std::vector<FoundKeyframe> left =
         those(found, [&](const FoundKeyframe& f) { return trajectory.keyframes[f.keyframe].part == part; });
-    const std::vector<FoundKeyframe> main = consensusAlignment(left, relative, kTolerance, least);
+    const std::vector<FoundKeyframe> main = consensusAlignment(left, relative, least);
     if (main.empty()) continue;
     place.agreeing += main.size();
     const Eigen::Isometry3d T_w_s = middlePlace(main, trajectory.keyframes);
@@ -140,7 +137,7 @@ SessionPlace internal::placeInMap(const GlobalLocalization& localization, const 
       if (trajectory.keyframes[k].part == part) graph.T_w_n[k + 1] = T_w_s * graph.T_w_n[k + 1];
     // Stretches beyond a break of the trajectory agree among themselves.
     for (std::vector<FoundKeyframe> set = main; !set.empty();
-         set = consensusAlignment(left, relative, kTolerance, least)) {
+         set = consensusAlignment(left, relative, least)) {
       for (const FoundKeyframe& f : set) graph.edges.push_back({0, f.keyframe + 1, f.T_w_c, true});
       left = those(left, [&set](const FoundKeyframe& f) {
         return std::none_of(set.begin(), set.end(),
@@ -174,7 +171,7 @@ SessionPlace internal::placeRigidly(const GlobalLocalization& localization,
     return builder.link(a, b, trajectory.keyframes[a].T_w_c.T, trajectory.keyframes[b].T_w_c.T).T_from_to;
   };
   const std::vector<FoundKeyframe> set =
-      consensusAlignment(found, relative, kTolerance, static_cast<std::size_t>(params.min_agreeing));
+      consensusAlignment(found, relative, static_cast<std::size_t>(params.min_agreeing));
   if (set.empty()) return place;
   place.agreeing = set.size();
   place.confirmed.assign(trajectory.keyframes.size(), true);

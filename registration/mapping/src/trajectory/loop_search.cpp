@@ -350,16 +350,16 @@ PieceVerdicts LoopSearch::verdicts(const TrajectoryGraph& graph, int threads) co
   for (const auto& pair_compared : *compared_)
     if (const auto& [a, b] = pair_compared.first; graph[a].part == graph[b].part)
       compared.push_back(&pair_compared);
-  std::vector<OverlapVerdict> verdict(compared.size());
+  std::vector<std::optional<bool>> confirmed(compared.size());
   forEachInParallel(static_cast<int>(compared.size()), threads, [&](int i) {
     const auto& [a, b] = compared[i]->first;
-    verdict[i] = verdictOn(graph.between(a, b), *graph[a].view, *graph[b].view, compared[i]->second);
+    confirmed[i] = isConfirmed(graph.between(a, b), *graph[a].view, *graph[b].view, compared[i]->second);
   });
   PieceVerdicts out;
   for (std::size_t i = 0; i < compared.size(); ++i) {
     OverlapVerdicts& of_pieces = out[graph.piecesOf(compared[i]->first.first, compared[i]->first.second)];
-    of_pieces.confirmed += verdict[i] == OverlapVerdict::confirms;
-    of_pieces.contradicted += verdict[i] == OverlapVerdict::contradicts;
+    of_pieces.confirmed += confirmed[i] == true;
+    of_pieces.contradicted += confirmed[i] == false;
   }
   return out;
 }

@@ -322,14 +322,14 @@ double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {
   return overlapOf(agreementAt(T_a_b, a, b), b.depth);
 }
 
-OverlapVerdict verdictOn(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
-                         const Comparison& compared) {
+std::optional<bool> isConfirmed(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
+                                const Comparison& compared) {
   const DepthAgreement seen = agreementAt(T_a_b, a, b);
-  if (overlapOf(seen, b.depth) < kLeastOverlap) return OverlapVerdict::says_nothing;
+  if (overlapOf(seen, b.depth) < kLeastOverlap) return {};
   const bool is_elsewhere = compared.placed && !compared.anywhere &&
                             !kSameTrajectory.joins(compared.placed->T_a_b, T_a_b) &&
                             squaredMahalanobis(measured(*compared.placed), T_a_b) > kFarEllipsoid;
-  return agrees(seen) && !is_elsewhere ? OverlapVerdict::confirms : OverlapVerdict::contradicts;
+  return agrees(seen) && !is_elsewhere;
 }
 
 std::optional<PiecePair> weakestBond(const PieceVerdicts& verdicts, const PieceBonds& bonds, int least_ties) {

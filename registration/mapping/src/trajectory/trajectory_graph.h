@@ -44,12 +44,11 @@ bool depthAgrees(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
 /** \brief Share of the pixels of two views that agree or contradict at a relative pose. */
 double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
 
-enum class OverlapVerdict : char { says_nothing, confirms, contradicts };
-
-/** \brief Verdict of two compared views on their relative pose by the trajectory. They contradict it if depth
- * disagrees there, or if they were registered farther away than 1 deg or 0.1 m and their error. */
-OverlapVerdict verdictOn(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
-                         const Comparison& compared);
+/** \brief Do two compared views confirm their relative pose by the trajectory? Nothing if they have too
+ * little in common. They contradict it if depth disagrees there, or if they were registered farther away than
+ * 1 deg or 0.1 m and their error. */
+std::optional<bool> isConfirmed(const Eigen::Isometry3d& T_a_b, const View& a, const View& b,
+                                const Comparison& compared);
 
 /** \brief Numbers of two pieces of a trajectory, the smaller first. */
 using PiecePair = std::pair<int, int>;
