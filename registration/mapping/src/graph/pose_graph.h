@@ -46,7 +46,6 @@ struct GraphPoses {
   std::vector<PoseWithCovariance> nodes;
   std::vector<int> part;         ///< for each node: the number of the first node that edges lead to
   std::vector<double> mismatch;  ///< mismatchOf() each edge, of 6 degrees of freedom
-  bool converged = false;
 };
 
 /** \brief The number of the first node of its part, for each node: parts have no edge between them. Throws
@@ -56,13 +55,6 @@ std::vector<int> partsOf(const PoseGraph& graph);
 /** \brief Squared Mahalanobis distance of an edge from the poses of its nodes; of alternatives, the least one
  * less twice their log odds. */
 double mismatchOf(const PoseEdge& edge, const std::vector<PoseWithCovariance>& nodes);
-
-/** \brief Log odds of the motion, which are 0, and of its alternatives. */
-std::vector<double> oddsOf(const PoseEdge& edge);
-
-/** \brief An edge of one Gaussian about a motion, with the second moments of all modes of an edge.
- * \param log_odds as of oddsOf() */
-PoseEdge spanned(const PoseEdge& edge, const Eigen::Isometry3d& about, const std::vector<double>& log_odds);
 
 /** \brief Least squares over the edges' covariances by Ceres Solver (Agarwal, Mierle et al.), METHOD 1.3.
  *
