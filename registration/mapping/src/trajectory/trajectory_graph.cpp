@@ -16,6 +16,8 @@
 namespace facetloc::internal {
 namespace {
 
+using Source = KeyframeMotion::Source;
+
 constexpr double kErrorBesideKeyframe = 0.003;  // error of an image relative to its keyframe [m, rad]
 
 /** Index of the local model that is nearest in the order of images to each keyframe, of the same part. */
@@ -79,9 +81,39 @@ std::vector<PiecePair> pathBetween(const PiecePair& ends, const PieceBonds& bond
   return path;
 }
 
-}  // namespace
+/** The graph of keyframes at their poses. All comparisons of one keyframe share its errors: together they
+ * have the information of those with the keyframe before and the one after.
+ *
+ * \param mounting if known, all stand on one floor \param key_distance distance between keyframes, by which
+ * the unevenness under them is new [m] */
+template <class AnyKeyframe>
+PoseGraph graphOf(const std::vector<AnyKeyframe>& keyframes, const std::vector<KeyframeMotion>& motions,
+                  const std::optional<CameraMounting>& mounting, double key_distance) {
+  constexpr double kFloorLength = 0.7;  // distance after which a robot stands on other unevenness [m]
+  const auto isComparison = [](const KeyframeMotion& m) { return m.source != Source::odometry; };
+  std::vector<int> comparisons(keyframes.size(), 0);
+  for (const KeyframeMotion& m : motions)
+    if (isComparison(m)) ++comparisons[m.from], ++comparisons[m.to];
+  PoseGraph graph;
+  for (const AnyKeyframe& k : keyframes) graph.T_w_n.push_back(k.T_w_c.T);
+  for (const KeyframeMotion& m : motions) {
+    PoseEdge edge{m.from, m.to, m.T_from_to, isComparison(m)};
+    edge.others = m.others;
+    if (isComparison(m)) {
+      const double shared = std::max(1.0, (comparisons[m.from] + comparisons[m.to]) / 4.0);
+      edge.T_from_to.P *= shared;
+      for (AlternativeMotion& other : edge.others) other.T_from_to.P *= shared;
+    }
+    graph.edges.push_back(edge);
+  }
+  if (mounting) {
+    const double repeated = std::max(1.0, kFloorLength / key_distance);
+    graph.floor = LevelFloor{mounting->T_b_c(), repeated * floorCovariance({})};
+  }
+  return graph;
+}
 
-using Source = KeyframeMotion::Source;
+}  // namespace
 
 std::vector<KeyframeMotion> TrajectoryGraph::motions() const {
   std::vector<KeyframeMotion> all;
@@ -122,9 +154,7 @@ PoseWithCovariance TrajectoryGraph::guessedStep() const {
 }
 
 PoseGraph TrajectoryGraph::poseGraph() const {
-  std::vector<Eigen::Isometry3d> T;
-  for (const TrajectoryNode& node : nodes_) T.push_back(node.T_w_c.T);
-  return keyframeGraph(T, motions(), mounting(), params_.key_distance);
+  return graphOf(nodes_, motions(), mounting(), params_.key_distance);
 }
 
 void TrajectoryGraph::add(TrajectoryNode node) {
@@ -191,7 +221,7 @@ double TrajectoryGraph::optimize(std::vector<KeyframeMotion> found) {
     for (const KeyframeMotion& m : relations_)
       if (!(*of_relation++ > kFarEllipsoid) &&
           (m.source != Source::loop ||
-           depthAgrees(between(m.from, m.to), *(*this)[m.from].view, *(*this)[m.to].view)))
+           agrees(agreementAt(between(m.from, m.to), *nodes_[m.from].view, *nodes_[m.to].view))))
         kept.push_back(m);
     relations_ = std::move(kept);
   }
@@ -219,39 +249,8 @@ void TrajectoryGraph::adopt(const TrajectoryGraph& improved) {
   }
 }
 
-PoseGraph keyframeGraph(const std::vector<Eigen::Isometry3d>& T_w_k,
-                        const std::vector<KeyframeMotion>& motions,
-                        const std::optional<CameraMounting>& mounting, double key_distance) {
-  constexpr double kFloorLength = 0.7;  // distance after which a robot stands on other unevenness [m]
-  const auto isComparison = [](const KeyframeMotion& m) {
-    return m.source != KeyframeMotion::Source::odometry;
-  };
-  std::vector<int> comparisons(T_w_k.size(), 0);
-  for (const KeyframeMotion& m : motions)
-    if (isComparison(m)) ++comparisons[m.from], ++comparisons[m.to];
-  PoseGraph graph;
-  graph.T_w_n = T_w_k;
-  for (const KeyframeMotion& m : motions) {
-    PoseEdge edge{m.from, m.to, m.T_from_to, isComparison(m)};
-    edge.others = m.others;
-    if (isComparison(m)) {
-      const double shared = std::max(1.0, (comparisons[m.from] + comparisons[m.to]) / 4.0);
-      edge.T_from_to.P *= shared;
-      for (AlternativeMotion& other : edge.others) other.T_from_to.P *= shared;
-    }
-    graph.edges.push_back(edge);
-  }
-  if (mounting) {
-    const double repeated = std::max(1.0, kFloorLength / key_distance);
-    graph.floor = LevelFloor{mounting->T_b_c(), repeated * floorCovariance({})};
-  }
-  return graph;
-}
-
 PoseGraph keyframeGraph(const CameraTrajectory& trajectory, const std::optional<CameraMounting>& mounting) {
-  std::vector<Eigen::Isometry3d> T_w_k;
-  for (const Keyframe& k : trajectory.keyframes) T_w_k.push_back(k.T_w_c.T);
-  return keyframeGraph(T_w_k, trajectory.motions, mounting, MappingParams().odometry.key_distance);
+  return graphOf(trajectory.keyframes, trajectory.motions, mounting, MappingParams().odometry.key_distance);
 }
 
 std::vector<Link> trajectoryLinks(const CameraTrajectory& trajectory,
@@ -312,10 +311,6 @@ std::optional<PlacedView> registered(const ViewPlacing& placing, const View& vie
 
 bool isClear(const PlacedView& placed) {
   return placed.agreement >= kClearAgreement && placed.overlap >= kLoopOverlap;
-}
-
-bool depthAgrees(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {
-  return agrees(agreementAt(T_a_b, a, b));
 }
 
 double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b) {

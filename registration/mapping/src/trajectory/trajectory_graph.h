@@ -4,12 +4,8 @@
 #include "graph/pose_graph.h"
 #include "motion/view_placing.h"
 
-#include <facetloc/features/pose.h>
-#include <facetloc/mapping/trajectory_estimation.h>
-
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -37,9 +33,6 @@ std::optional<PlacedView> registered(const ViewPlacing& placing, const View& vie
 
 /** \brief True for views that agree clearly, as images of another place hardly do. */
 bool isClear(const PlacedView& placed);
-
-/** \brief True if the depth of two views agrees at a relative pose. */
-bool depthAgrees(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
 
 /** \brief Share of the pixels of two views that agree or contradict at a relative pose. */
 double overlapOf(const Eigen::Isometry3d& T_a_b, const View& a, const View& b);
@@ -123,15 +116,8 @@ private:
   std::vector<KeyframeMotion> relations_;
 };
 
-/** \brief The graph of keyframes at these poses. All comparisons of one keyframe share its errors: together
- * they have the information of those with the keyframe before and the one after.
- *
- * \param mounting if known, all stand on one floor \param key_distance distance between keyframes, by which
- * the unevenness under them is new [m] */
-PoseGraph keyframeGraph(const std::vector<Eigen::Isometry3d>& T_w_k,
-                        const std::vector<KeyframeMotion>& motions,
-                        const std::optional<CameraMounting>& mounting, double key_distance);
-/** \brief The graph of a trajectory with the usual distance between its keyframes. */
+/** \brief The graph of a trajectory with the usual distance between its keyframes. \param mounting if known,
+ * all stand on one floor */
 PoseGraph keyframeGraph(const CameraTrajectory& trajectory, const std::optional<CameraMounting>& mounting);
 
 /** \brief A place on a trajectory, as a keyframe knows it. */
