@@ -4,9 +4,9 @@
 #include <facetloc/features/pose.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <random>
 
 namespace facetloc::internal {
@@ -34,12 +34,7 @@ struct SurfacePair {
 };
 
 /** Logarithms of the factors of fx and fy, and displacement of the centre as a ray. */
-using Change = std::array<double, 4>;
-
-Change sum(Change c, const Change& d, double factor) {
-  for (std::size_t k = 0; k < c.size(); ++k) c[k] += factor * d[k];
-  return c;
-}
+using Change = Eigen::Vector4d;
 
 Eigen::Vector3d changed(const Eigen::Vector3d& m, const Change& c) {
   const double x = m.x() * std::exp(c[0]), y = m.y() * std::exp(c[1]);
@@ -165,9 +160,8 @@ public:
   }
 
   double operator()(const Change& change) const {
-    double all = 0;
-    for (const double of_image : byImage(change)) all += of_image;
-    return all;
+    const std::vector<double> of_images = byImage(change);
+    return std::accumulate(of_images.begin(), of_images.end(), 0.0);
   }
 
 private:
@@ -196,7 +190,7 @@ public:
   /** Square pixels, and the factor of both focal lengths. \param centred with the optical axis in the middle
    */
   Change usual(double log_factor, bool centred) const {
-    const Change c{log_factor - aspect_ / 2, log_factor + aspect_ / 2, 0, 0};
+    const Change c(log_factor - aspect_ / 2, log_factor + aspect_ / 2, 0, 0);
     if (!centred) return c;
     return {c[0], c[1], x_ / (fx_ * std::exp(c[0])), y_ / (fy_ * std::exp(c[1]))};
   }
@@ -214,14 +208,14 @@ private:
 /** Climbs in ever shorter steps. */
 Change climbed(Change at, const std::function<double(const Change&)>& worth,
                const std::function<bool(const Change&)>& allowed) {
-  const std::array<Change, 4> directions{{{1, 1, 0, 0}, {1, -1, 0, 0}, {0, 0, 0.5, 0}, {0, 0, 0, 0.5}}};
   double most = worth(at);
   for (double step = 0.06; step > 0.006; step /= 2)
     for (bool better = true; better;) {
       better = false;
-      for (const Change& direction : directions)
+      for (const Change& direction :
+           {Change(1, 1, 0, 0), Change(1, -1, 0, 0), Change(0, 0, 0.5, 0), Change(0, 0, 0, 0.5)})
         for (const double d : {step, -step}) {
-          const Change next = sum(at, direction, d);
+          const Change next = at + d * direction;
           if (!allowed(next)) continue;
           if (const double w = worth(next); w > most) at = next, most = w, better = true;
         }
@@ -238,7 +232,7 @@ bool isInReach(const Change& c) {
 Change best(const AngleLikelihood& angles, const Unusual& unusual) {
   constexpr double kFarthest = 0.6, kStep = 0.05;
   const auto worth = [&](const Change& c) { return angles(c) - unusual(c); };
-  Change start{};
+  Change start = Change::Zero();
   double most = worth(start);
   for (const bool centred : {false, true})
     for (double focal = -kFarthest; focal <= kFarthest; focal += kStep)
@@ -255,7 +249,8 @@ std::optional<SurfaceAngles> surfaceAngles(const FlatSurfaces& flat, const Intri
   const AngleLikelihood angles(std::move(pairs));
   if (angles.images() < kLeastImages || !angles.canBeCompared()) return {};
   const Unusual unusual(camera);
-  const Change as_read = climbed({}, std::cref(angles), [&](const Change& c) { return unusual.isSmall(c); });
+  const Change as_read =
+      climbed(Change::Zero(), std::cref(angles), [&](const Change& c) { return unusual.isSmall(c); });
   const Change change = best(angles, unusual);
   SurfaceAngles found;
   found.pairs = angles.pairs(), found.images = angles.images();
@@ -268,9 +263,9 @@ std::optional<SurfaceAngles> surfaceAngles(const FlatSurfaces& flat, const Intri
     if (i % 2 == 0) gains.push_back(0);
     gains.back() += after[i] - before[i];
   }
-  double sum = 0, squares = 0;
   const auto n = static_cast<double>(gains.size());
-  for (const double gain : gains) sum += gain;
+  const double sum = std::accumulate(gains.begin(), gains.end(), 0.0);
+  double squares = 0;
   for (const double gain : gains) squares += (gain - sum / n) * (gain - sum / n);
   found.gain = sum - unusual(change);
   found.gain_std = std::sqrt(squares * n / (n - 1));

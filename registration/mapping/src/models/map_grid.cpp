@@ -25,18 +25,17 @@ struct Level {
   double height, area;
 };
 
-std::vector<Level> levelsBelow(const View& view, const Eigen::Isometry3d& T_w_m) {
-  std::vector<Level> found;
+void addLevelsBelow(const View& view, const Eigen::Isometry3d& T_w_m, std::vector<Level>& levels) {
   for (const Segment& s : view.segments) {
     const Segment placed = transformed(s, T_w_m);
     // Normals point away from the camera.
-    if (-placed.normal().z() > std::cos(kLevel)) found.push_back({placed.t.z(), placed.area()});
+    if (-placed.normal().z() > std::cos(kLevel)) levels.push_back({placed.t.z(), placed.area()});
   }
-  return found;
 }
 
-/** The lowest height about which a tenth of all that is level lies. */
-std::optional<double> lowestOf(std::vector<Level> levels) {
+/** The lowest height about which a tenth of all that is level lies. Throws std::runtime_error if nothing is.
+ */
+double lowestOf(std::vector<Level> levels) {
   constexpr double kSame = 0.05, kShare = 0.1;
   std::sort(levels.begin(), levels.end(), [](const Level& a, const Level& b) { return a.height < b.height; });
   double all = 0, near = 0;
@@ -46,35 +45,9 @@ std::optional<double> lowestOf(std::vector<Level> levels) {
       near += levels[end].area;
     if (near >= kShare * all) return levels[first].height + kSame;
   }
-  return std::nullopt;
+  throw std::runtime_error(
+      "nothing tells where the floor is: the camera's mounting is unknown, and no segment is level");
 }
-
-/** Where local models have the floor. */
-class Floor {
-public:
-  explicit Floor(const Map& map) : mounting_(map.camera.mounting) {}
-
-  void add(const View& view, const Eigen::Isometry3d& T_w_m) {
-    if (!mounting_)
-      for (const Level& level : levelsBelow(view, T_w_m)) levels_.push_back(level);
-  }
-  void finish() {
-    if (mounting_) return;
-    const auto lowest = lowestOf(levels_);
-    if (!lowest)
-      throw std::runtime_error(
-          "nothing tells where the floor is: the camera's mounting is unknown, and no segment is level");
-    height_ = *lowest;
-  }
-  double below(const Eigen::Isometry3d& T_w_m) const {
-    return mounting_ ? (T_w_m * mounting_->T_b_c().inverse()).translation().z() : height_;
-  }
-
-private:
-  std::optional<CameraMounting> mounting_;
-  std::vector<Level> levels_;
-  double height_ = 0;
-};
 
 /** How many views have seen something in a cell, and how many have seen through it. */
 class Votes {
@@ -203,22 +176,23 @@ OccupancyGrid gridOf(const Map& map, const MapGridParams& params) {
   if (!(params.lowest < params.highest))
     throw std::invalid_argument("the lowest height of an occupancy grid must be below the highest");
   const std::vector<int> models = usableModels(map);
-  Floor floor(map);
+  const std::optional<CameraMounting>& mounting = map.camera.mounting;
+  std::vector<Level> levels;  // if the mounting does not tell the floor
   Eigen::AlignedBox2d bounds;
   for (const int i : models) {
     const Eigen::Isometry3d& T_w_m = *map.models[static_cast<std::size_t>(i)].T_w_m;
     const std::shared_ptr<const View> view = map.view(i);
-    floor.add(*view, T_w_m);
+    if (!mounting) addLevelsBelow(*view, T_w_m, levels);
     bounds.extend(T_w_m.translation().head<2>());
     PlacedView{*view, T_w_m, 0, 0}.forEachPoint(
         [&](const Eigen::Vector3d& p) { bounds.extend((T_w_m * p).head<2>()); });
   }
-  floor.finish();
+  const double lowest = mounting ? 0 : lowestOf(std::move(levels));
   Votes votes(bounds, params.resolution);
   for (const int i : models) {
     const Eigen::Isometry3d& T_w_m = *map.models[static_cast<std::size_t>(i)].T_w_m;
     const std::shared_ptr<const View> view = map.view(i);
-    const double height = floor.below(T_w_m);
+    const double height = mounting ? (T_w_m * mounting->T_b_c().inverse()).translation().z() : lowest;
     const PlacedView placed{*view, T_w_m, height + params.lowest, height + params.highest};
     votes.beginView();
     addHits(placed, votes);
