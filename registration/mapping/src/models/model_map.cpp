@@ -31,13 +31,15 @@ MapSurfaces surfacesOf(const Surface& surface) {
   return surface.isDrawn() ? MapSurfaces::fixed : MapSurfaces::seen;
 }
 
+constexpr double kStepsPerSpacing = 2;  // candidates per spacing
+
 /** Where a camera in the hand is held [m], and how it is inclined [deg]. */
 const std::vector<double> kHeightsInHand{1.1, 1.6}, kTiltsInHand{0, 30};
 
 }  // namespace
 
 struct ModelMap::Impl {
-  ViewpointSearch given;  // with the camera of the map
+  ViewpointSearch given;  // with the camera of the map, and places in the frame of the surface
   ModelMapParams params;
   ViewParams view;
   std::optional<std::vector<Eigen::Isometry3d>> viewpoints;
@@ -91,10 +93,14 @@ ViewpointSearch ModelMap::Impl::search() const {
   ViewpointSearch search = given;
   const auto& mounting = given.camera.mounting;
   search.camera.intrinsics = intrinsics();
-  if (given.heights.empty()) search.heights = mounting ? std::vector{mounting->height} : kHeightsInHand;
   search.tilts_deg = mounting ? std::vector{mounting->tilt_deg} : kTiltsInHand;
-  search.stands = mounting || !given.heights.empty();
   search.T_w_up.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), findings.up);
+  PlaceRules& places = search.places;
+  places.step = params.spacing / kStepsPerSpacing;
+  places.clearance = params.clearance;
+  places.stands = mounting || !places.heights.empty();
+  if (places.heights.empty()) places.heights = mounting ? std::vector{mounting->height} : kHeightsInHand;
+  for (Eigen::Vector3d& place : places.inside) place = search.T_w_up.inverse() * place;
   return search;
 }
 
@@ -139,6 +145,7 @@ ModelMap::ModelMap(std::shared_ptr<const Surface> surface, const Camera& camera,
   if (!surface) throw std::invalid_argument("ModelMap: there is no surface");
   impl_->given.surface = std::move(surface);
   impl_->given.camera = camera;
+  impl_->given.places.most = kMostPlaces;
   impl_->params = checked(params);
   impl_->view = checked(view);
 }
@@ -163,9 +170,11 @@ void ModelMap::setUpBySurface() { impl_->up.reset(); }
 
 void ModelMap::setUsualUp(const Eigen::Vector3d& up) { impl_->usual_up = up; }
 const SurfaceOrientation& ModelMap::orientation() { return impl_->surfaceOrientation(); }
-void ModelMap::setInside(std::vector<Eigen::Vector3d> places) { impl_->given.inside = std::move(places); }
-void ModelMap::setHeights(std::vector<double> heights) { impl_->given.heights = std::move(heights); }
-void ModelMap::setMostPlaces(std::size_t n) { impl_->given.most_places = n; }
+void ModelMap::setInside(std::vector<Eigen::Vector3d> places) {
+  impl_->given.places.inside = std::move(places);
+}
+void ModelMap::setHeights(std::vector<double> heights) { impl_->given.places.heights = std::move(heights); }
+void ModelMap::setMostPlaces(std::size_t n) { impl_->given.places.most = n; }
 const ModelFindings& ModelMap::findings() const { return impl_->findings; }
 
 Map ModelMap::finish() {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/viewpoints.h"
 
-#include "models/free_places.h"
-
 #include <facetloc/features/pose.h>
 
 #include <algorithm>
@@ -17,10 +15,9 @@ namespace {
 
 using Stage = MapProgress::Stage;
 
-constexpr double kStepsPerSpacing = 2;  // candidates per spacing
-constexpr double kBeside = 3;           // how far from a scan of a part of a room a camera may be [m]
-constexpr double kKnownShare = 0.3;     // share of a view with a surface in range: less matches by chance
-constexpr double kSlackDeg = 1e-6;      // neighbouring headings are just as far apart as the rule says
+constexpr double kBeside = 3;        // how far from a scan of a part of a room a camera may be [m]
+constexpr double kKnownShare = 0.3;  // share of a view with a surface in range: less matches by chance
+constexpr double kSlackDeg = 1e-6;   // neighbouring headings are just as far apart as the rule says
 
 /** The camera in about 24 columns. */
 Intrinsics smallCamera(const Intrinsics& camera) {
@@ -130,16 +127,9 @@ std::string problemOfSize(const Eigen::AlignedBox3d& bounds, double step) {
 }
 
 /** Places in a whole room, or else beside a scan of a part of one. */
-std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const ModelMapParams& params,
-                                       ModelFindings& findings) {
+std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, ModelFindings& findings) {
   const SpaceProbe probe(*search.surface, search.T_w_up);
-  PlaceRules rules;
-  rules.step = params.spacing / kStepsPerSpacing;
-  rules.clearance = params.clearance;
-  rules.heights = search.heights;
-  rules.stands = search.stands;
-  rules.most = search.most_places;
-  for (const Eigen::Vector3d& place : search.inside) rules.inside.push_back(search.T_w_up.inverse() * place);
+  PlaceRules rules = search.places;
   const ForEach forEach = [&](std::size_t n, const std::function<void(std::size_t)>& job) {
     ParallelStage(Stage::viewpoints, n, search.threads, search.progress).run(job);
   };
@@ -160,7 +150,7 @@ std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, const Mode
     findings.problem =
         fmt::format("a camera can be at about {} places in it, more than {}; check the unit, or "
                     "increase spacing",
-                    findings.places, search.most_places);
+                    findings.places, rules.most);
   return found.positions;
 }
 
@@ -185,7 +175,7 @@ bool shows(const SmallView& view, const Intrinsics& camera, const Eigen::Vector2
 std::vector<Eigen::Isometry3d> findViewpoints(const ViewpointSearch& search, const ModelMapParams& params,
                                               ModelFindings& findings) {
   Candidates candidates(search, params);
-  candidates.look(placesFor(search, params, findings));
+  candidates.look(placesFor(search, findings));
   if (!findings.problem.empty()) return {};
   if (candidates.empty()) {
     findings.problem = findings.places == 0 ? "there is no floor in it with room for a camera above"

@@ -1,28 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "models/free_places.h"
 #include "sessions/parallel_stage.h"
 
 #include <facetloc/features/camera_model.h>
 #include <facetloc/mapping/model_map.h>
 
-#include <Eigen/Geometry>
-
 #include <cstdint>
-#include <vector>
 
 namespace facetloc::internal {
 
 /** \brief A camera that viewpoints are looked for. */
 struct ViewpointSearch {
   std::shared_ptr<const Surface> surface;
-  Camera camera;                        ///< with the intrinsics of the images that are rendered
-  std::vector<double> heights;          ///< above the floor [m]
-  std::vector<double> tilts_deg;        ///< tilts of the optical axis below the horizon
-  bool stands = false;                  ///< on the floor, as on a robot
-  std::vector<Eigen::Vector3d> inside;  ///< places of the areas to fill, in the surface's frame
+  Camera camera;                  ///< with the intrinsics of the images that are rendered
+  PlaceRules places;              ///< in the frame with z up
+  std::vector<double> tilts_deg;  ///< tilts of the optical axis below the horizon
   Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();  ///< to the surface's frame from one with z up
-  std::size_t most_places = ModelMap::kMostPlaces;
   int threads = 1;
   MapProgressCallback progress;
 };
