@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/considered_errors.h"
 #include "calibration/distortion_calibration.h"
+#include "calibration/map_ambiguity.h"
 
 #include <facetloc/testing/synthetic_views.h>
 

@@ -3,14 +3,16 @@
 
 #include "ranking/global_localization.h"
 
+#include <facetloc/features/map_metadata.h>
+
 #include <functional>
 #include <optional>
 #include <vector>
 
 /** \file
- * A map is asked about itself: how much do wrong places score in it? Nothing else tells a place that
+ * A map is asked about itself. How much do wrong places score in it? Nothing else tells a place that
  * looks like many from one that looks like no other where the map does not hold the right one
- * (localization/METHOD 1.5).
+ * (localization/METHOD 1.5). How far are its views from where those around them have them (METHOD 2.3)?
  */
 
 namespace facetloc::internal {
@@ -38,5 +40,17 @@ std::optional<MapAmbiguity> ambiguityOf(const AliasScores& scores);
 
 /** \brief Puts them, and the ambiguity, into a map. */
 void setAmbiguity(const AliasScores& scores, Map& map);
+
+/** \brief A view of a map, aligned anew with those around it. */
+struct RealignedView {
+  Vector6d error;        ///< perturbation from the pose found to the one in the map
+  Matrix6d information;  ///< all compared pixels as independent measurements, without the prior
+};
+
+/** \brief Aligns views of a map with their surroundings by all pixels, from where they are. */
+std::vector<RealignedView> realignedViews(const std::shared_ptr<const Map>& map, int threads);
+
+/** \brief The likeliest errors of such views; of few, drawn towards the usual. */
+ConsideredErrors consideredErrors(const std::vector<RealignedView>& views);
 
 }  // namespace facetloc::internal

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/considered_errors.h"
 #include "calibration/distortion_calibration.h"
 #include "calibration/map_ambiguity.h"
 #include "sessions/image_run.h"
