@@ -30,11 +30,11 @@ Spot doorwayOf(int room, double side) { return {{middleOf(room), side * kHalfCor
 /** All that stands in a room, the same in all of them. */
 void furnish(SceneBuilder& builder, const Spot& doorway, Random random) {
   const double back = kRoomDepth, side = kRoomWidth / 2;
-  addBed(builder, doorway.relative(back - 1.2, -side + 1.1, kPi / 2), random, When::always);
-  addWardrobe(builder, doorway.relative(0.9, side - 0.45, -kPi / 2), random, When::always);
-  addDesk(builder, doorway.relative(back - 0.5, side - 1.1, kPi), random, When::always);
-  addArmchair(builder, doorway.relative(2.6, side - 0.6, -kPi / 2), random, When::always);
-  addSideboard(builder, doorway.relative(1.2, -side + 0.4, kPi / 2), random, When::always);
+  kind::kBed.add(builder, doorway.relative(back - 1.2, -side + 1.1, kPi / 2), random, When::always);
+  kind::kWardrobe.add(builder, doorway.relative(0.9, side - 0.45, -kPi / 2), random, When::always);
+  kind::kDesk.add(builder, doorway.relative(back - 0.5, side - 1.1, kPi), random, When::always);
+  kind::kArmchair.add(builder, doorway.relative(2.6, side - 0.6, -kPi / 2), random, When::always);
+  kind::kSideboard.add(builder, doorway.relative(1.2, -side + 0.4, kPi / 2), random, When::always);
 }
 
 /** Places things in the corridor beside each door: they distinguish the doors. */

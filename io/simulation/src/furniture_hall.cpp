@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "furniture.h"
 #include "furniture_parts.h"
 
 #include <facetloc/features/pose.h>
@@ -9,10 +8,9 @@
 #include <vector>
 
 namespace facetloc {
+namespace {
 
 // ---- On the floor ----
-
-namespace {
 
 /** A wooden pallet: three runners, a deck. */
 void addPalletWood(SceneBuilder& builder, const Spot& spot, double depth, double width, When when) {
@@ -43,8 +41,6 @@ void addStack(SceneBuilder& builder, const Spot& spot, double depth, double widt
     }
   }
 }
-
-}  // namespace
 
 void addPallet(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
   constexpr double kDepth = 1.2, kWidth = 0.8, kFreight = 1.5;  // Euro pallets, and the freight's height [m]
@@ -191,8 +187,6 @@ void addLocker(SceneBuilder& builder, const Spot& spot, Random& random, When whe
 
 // ---- Racks ----
 
-namespace {
-
 /** The freight of one bay: the only difference between the bays of equal racks. */
 enum class Freight { cartons, crates, rolls, nothing };
 
@@ -267,6 +261,17 @@ void loadRolls(SceneBuilder& builder, const Spot& board, double depth, double wi
 }
 
 }  // namespace
+
+namespace kind {
+const Kind kPallet{addPallet, 1.25, 0.85};
+const Kind kMachine{addMachine, 1.5, 2.4, true};
+const Kind kWorkbench{addWorkbench, 0.8, 2.0};
+const Kind kForklift{addForklift, 3.2, 1.2, true};
+const Kind kTrolley{addTrolley, 1.0, 0.6};
+const Kind kBarrels{addBarrels, 1.25, 1.25};
+const Kind kStepladder{addStepladder, 1.4, 0.6};
+const Kind kLocker{addLocker, 0.5, 1.2, true};
+}  // namespace kind
 
 void addRackRow(SceneBuilder& builder, const Spot& spot, const RackRow& rack, Random& random) {
   constexpr double kPost = 0.07, kBoardThickness = 0.04, kLowest = 0.1, kLip = 0.08;  // [m]

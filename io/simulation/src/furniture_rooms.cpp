@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Things of all rooms: desks, tables and chairs, cupboards and bookcases, small things, people, and fittings.
+// Things of offices and homes: furniture, small things, people, and fittings.
 #include "furniture_parts.h"
 
 #include <facetloc/features/pose.h>
@@ -8,6 +8,7 @@
 #include <vector>
 
 namespace facetloc {
+namespace {
 
 void addDesk(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
   const auto [depth, width, height, middle] = drawn(kind::kDesk, spot, 0.68, 1.2, 0.70, 0.76, random);
@@ -216,6 +217,244 @@ void addCarton(SceneBuilder& builder, const Spot& spot, Random& random, When whe
   if (chance(random, 0.4))
     builder.box(spot.relative(0, 0, 0.2, height), {0.7 * depth, 0.7 * width, 0.7 * height}, when);
 }
+
+// ---- Living rooms and bedrooms ----
+
+/** The common parts of sofas and armchairs: arms, a back that leans, seat cushions. */
+void addSeat(SceneBuilder& builder, const Spot& spot, double depth, double width, int cushions,
+             Random& random, When when) {
+  const double arm = random.uniform(0.12, 0.2);
+  const double arm_height = random.uniform(0.5, 0.65);
+  const double seat = random.uniform(0.38, 0.45);
+  const double back = random.uniform(0.72, 0.95);
+  const double lean = -random.uniform(4, 14);
+  const Material material = darkIf(chance(random, kDarkSofas));
+  constexpr double kCushion = 0.14, kBack = 0.2, kFoot = 0.06;
+  const double inner = width - 2 * arm;
+  builder.box(spot.relative(0, 0, 0, kFoot), {depth - 0.04, inner, seat - kCushion - kFoot}, when, material);
+  for (const int side : {-1, 1})
+    builder.box(spot.relative(0, side * (width - arm) / 2), {depth, arm, arm_height}, when, material);
+  for (int i = 0; i < cushions; ++i) {
+    const double y = ((i + 0.5) / cushions - 0.5) * inner;
+    const double out = random.uniform(0, 0.03);
+    builder.box(spot.relative(kBack / 2 - 0.02 + out, y, 0, seat - kCushion),
+                {depth - kBack, inner / cushions - 0.015, kCushion}, when, material);
+  }
+  builder.box(spot.relative(-depth / 2 + 0.03, 0), {0.06, inner, back - 0.12}, when, material);
+  slab(builder, spot.relative(-depth / 2 + kBack / 2 + 0.06, 0), (seat + back) / 2 - 0.04, lean,
+       {kBack - 0.04, inner, back - seat + 0.06}, when, material);
+  const int pillows = count(random, 0, cushions);
+  for (int i = 0; i < pillows; ++i) {
+    const double y = random.uniform(-0.4, 0.4) * inner;
+    const double turn = random.uniform(-30, 30) * kDegree;
+    builder.ellipsoid(spot.relative(-0.1, y, turn), seat + 0.18, {0.09, 0.2, 0.19}, when);
+  }
+}
+
+void addSofa(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.82, kind::kSofa.depth);
+  const double width = random.uniform(1.6, kind::kSofa.width);
+  addSeat(builder, spot.relative((depth - kind::kSofa.depth) / 2, 0), depth, width, width > 1.85 ? 3 : 2,
+          random, when);
+}
+
+void addArmchair(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.75, kind::kArmchair.depth);
+  const double width = random.uniform(0.75, kind::kArmchair.width);
+  addSeat(builder, spot.relative((depth - kind::kArmchair.depth) / 2, 0), depth, width, 1, random, when);
+}
+
+void addTvStand(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const auto [depth, width, height, middle] = drawn(kind::kTvStand, spot, 0.36, 1.2, 0.4, 0.6, random);
+  addCarcass(builder, middle, depth, width, height, 2, when, Material::matt);
+  const double screen = random.uniform(0.9, 1.2);
+  const double turn = random.uniform(-8, 8) * kDegree;
+  const double y = random.uniform(-0.1, 0.1);
+  const Spot top = middle.relative(-0.02, y, turn, height);
+  builder.box(top, {0.2, 0.4, 0.02}, when, Material::dark);
+  slab(builder, top, 0.06 + 0.29 * screen, -2, {0.05, screen, 0.58 * screen}, when, Material::dark);
+  if (chance(random, 0.7))
+    builder.cylinder(middle.relative(0, width / 2 - 0.12, 0, height), 0.06, random.uniform(0.12, 0.3), when);
+}
+
+/** Pillows, a blanket thrown back or spread, and perhaps somebody under it. */
+void addBedding(SceneBuilder& builder, const Spot& top, double length, double width, Random& random,
+                When when) {
+  const int pillows = width > 1.3 ? 2 : 1;
+  for (int i = 0; i < pillows; ++i) {
+    const double y = (pillows == 1 ? 0 : (i - 0.5) * width * 0.48) + random.uniform(-0.06, 0.06);
+    const double turn = random.uniform(-15, 15) * kDegree;
+    builder.ellipsoid(top.relative(-length / 2 + 0.32, y, turn), 0.06, {0.22, 0.32, 0.09}, when);
+  }
+  const double cover = random.uniform(0.5, 1.3);
+  const double turn = random.uniform(-4, 4) * kDegree;
+  builder.box(top.relative(length / 2 - 0.1 - cover / 2, 0, turn), {cover, width - 0.2, 0.05}, when);
+  if (chance(random, 0.5)) builder.ellipsoid(top.relative(0.1, 0.05), 0.04, {0.3, 0.3 * width, 0.14}, when);
+}
+
+void addBed(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double width =
+      chance(random, 0.5) ? random.uniform(0.95, 1.1) : random.uniform(1.45, kind::kBed.width);
+  const double length = random.uniform(2.02, kind::kBed.depth);
+  const double frame = random.uniform(0.22, 0.32);
+  const double mattress = random.uniform(0.16, 0.24);
+  const double head = random.uniform(0.75, 1.1);
+  const Spot middle = spot.relative((length - kind::kBed.depth) / 2, 0);
+  builder.box(middle, {length, width, frame}, when);
+  builder.box(middle.relative(0.01, 0, 0, frame), {length - 0.1, width - 0.08, mattress}, when);
+  builder.box(middle.relative(-length / 2 + 0.025, 0), {0.05, width, head}, when);
+  if (chance(random, 0.5))
+    builder.box(middle.relative(length / 2 - 0.02, 0), {0.04, width, frame + mattress + 0.1}, when);
+  const Spot mattress_top = middle.relative(0, 0, 0, frame + mattress);
+  const bool slept_in = when == When::always && chance(random, 0.5);
+  addBedding(builder, mattress_top, length, width, random, slept_in ? When::mapped : when);
+  if (slept_in) addBedding(builder, mattress_top, length, width, random, When::later);
+}
+
+void addBedsideTable(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const auto [depth, width, height, middle] = drawn(kind::kBedsideTable, spot, 0.32, 0.35, 0.42, 0.6, random);
+  addCarcass(builder, middle, depth, width, height, 1, when, Material::matt);
+  const Spot top = middle.relative(-0.04, 0.03, 0, height);
+  builder.cylinder(top, 0.015, 0.2, when);
+  builder.cylinder(top.relative(0, 0, 0, 0.2), 0.11, 0.17, when);
+}
+
+// ---- Kitchens and bathrooms ----
+
+void addKitchenUnit(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double width = kind::kKitchenUnit.width, depth = kind::kKitchenUnit.depth;
+  constexpr double kWorktop = 0.9, kTop = 0.04, kPlinth = 0.1, kJut = 0.03, kOven = 0.6;
+  const double body = depth - kJut;
+  const Spot middle = spot.relative(-kJut / 2, 0);
+  builder.box(middle.relative(-0.04, 0), {body - 0.08, width, kPlinth}, when, Material::dark);
+  builder.box(middle.relative(0, 0, 0, kPlinth), {body, width, kWorktop - kTop - kPlinth}, when);
+  builder.box(spot.relative(0, 0, 0, kWorktop - kTop), {depth, width, kTop}, when);
+  const double front = depth / 2 - kJut;
+  for (int i = 0; i < 4; ++i)
+    builder.box(spot.relative(front + 0.012, (i - 1.5) * width / 4, 0, 0.78), {0.024, 0.3, 0.015}, when);
+  const int side = chance(random, 0.5) ? 1 : -1;
+  const double oven = side * (width / 2 - kOven);
+  builder.box(spot.relative(front + 0.008, oven, 0, 0.2), {0.016, kOven - 0.04, 0.5}, when, Material::dark);
+  builder.box(spot.relative(0, oven, 0, kWorktop), {0.5, 0.56, 0.008}, when, Material::dark);
+  // A hood above the hob, wall cupboards beside it.
+  const double shelf_depth = random.uniform(0.32, 0.37);
+  const double bottom = random.uniform(1.38, 1.5);
+  const double top = random.uniform(2.05, 2.2);
+  const double shelf_x = -depth / 2 + shelf_depth / 2;
+  slab(builder, spot.relative(-depth / 2 + 0.24, oven), 1.62, -random.uniform(35, 55), {0.02, kOven, 0.46},
+       when);
+  builder.box(spot.relative(-depth / 2 + 0.14, oven, 0, 1.75), {0.28, 0.3, top - 1.75}, when);
+  const double free = width - 1.5 * kOven;
+  builder.box(spot.relative(shelf_x, side * (free / 2 - width / 2), 0, bottom),
+              {shelf_depth, free, top - bottom}, when);
+  // A tap, and things on the worktop.
+  const double tap = side * random.uniform(-0.8, -0.4);
+  builder.cylinder(spot.relative(-depth / 2 + 0.1, tap, 0, kWorktop), 0.018, 0.28, when);
+  const double oven_width = random.uniform(0.42, 0.5);
+  builder.box(spot.relative(-0.08, oven - side * 0.65, 0.05, kWorktop), {0.34, oven_width, 0.27}, when,
+              darkIf(chance(random, 0.5)));
+  addOddments(builder, spot.relative(-0.05, -side * width / 4, 0, kWorktop), 0.45, width / 2,
+              count(random, 1, 3), random, when);
+}
+
+void addFridge(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double height = random.uniform(1.45, 1.95);
+  const double freezer = random.uniform(0.5, 0.75);
+  constexpr double kDoor = 0.05;
+  const double body = kind::kFridge.depth - 0.06;
+  builder.box(spot.relative(-0.03, 0), {body, kind::kFridge.width, height}, when);
+  const double front = body / 2 - 0.03 + kDoor / 2;
+  builder.box(spot.relative(front, 0, 0, 0.05), {kDoor, kind::kFridge.width - 0.02, freezer - 0.06}, when);
+  builder.box(spot.relative(front, 0, 0, freezer),
+              {kDoor, kind::kFridge.width - 0.02, height - freezer - 0.01}, when);
+  if (chance(random, 0.5)) builder.box(spot.relative(0, 0, 0.1, height), {0.3, 0.4, 0.2}, when);
+}
+
+void addBathtub(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  constexpr double kRim = 0.07, kGround = 0.14;
+  const double height = random.uniform(0.52, 0.6);
+  const double depth = kind::kBathtub.depth, width = kind::kBathtub.width;
+  builder.box(spot, {depth - 2 * kRim, width - 2 * kRim, kGround}, when);
+  for (const int side : {-1, 1}) {
+    builder.box(spot.relative(side * (depth - kRim) / 2, 0), {kRim, width, height}, when);
+    builder.box(spot.relative(0, side * (width - kRim) / 2), {depth - 2 * kRim, kRim, height}, when);
+  }
+  builder.cylinder(spot.relative(-depth / 2 + 0.08, 0, 0, height), 0.025, 0.2, when);
+  if (chance(random, 0.5))  // a screen against splashes
+    builder.box(spot.relative(depth / 2 - 0.04, width / 4, 0, height), {0.01, width / 2, 1.3}, when,
+                Material::glass);
+}
+
+void addToilet(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double back = -kind::kToilet.depth / 2;
+  const double tank = random.uniform(0.75, 0.9);
+  builder.box(spot.relative(back + 0.09, 0, 0, 0.4), {0.18, 0.38, tank - 0.4}, when);
+  builder.box(spot.relative(back + 0.2, 0), {0.36, 0.2, 0.36}, when);
+  builder.ellipsoid(spot.relative(back + 0.42, 0), 0.26, {0.24, 0.18, 0.15}, when);
+  builder.cylinder(spot.relative(back + 0.44, 0, 0, 0.36), 0.19, 0.05, when);
+}
+
+void addWashbasin(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.42, kind::kWashbasin.depth);
+  const double width = random.uniform(0.5, kind::kWashbasin.width);
+  const double height = random.uniform(0.82, 0.88);
+  const double back = -kind::kWashbasin.depth / 2;
+  const Spot middle = spot.relative(back + depth / 2, 0);
+  builder.box(middle.relative(0, 0, 0, height - 0.14), {depth, width, 0.14}, when);
+  if (chance(random, 0.5)) {
+    builder.cylinder(middle.relative(-0.05, 0), 0.09, height - 0.14, when);
+  } else {
+    builder.box(middle.relative(-0.03, 0, 0, 0.2), {depth - 0.08, width - 0.06, height - 0.34}, when);
+  }
+  builder.cylinder(spot.relative(back + 0.07, 0, 0, height), 0.02, 0.14, when);
+  // A cabinet with a mirror above it: mirrors answer a depth camera in patches, like glass.
+  const double mirror = random.uniform(0.5, 0.8);
+  builder.box(spot.relative(back + 0.07, 0, 0, 1.25), {0.14, width, mirror}, when);
+  builder.box(spot.relative(back + 0.145, 0, 0, 1.26), {0.01, width - 0.04, mirror - 0.02}, when,
+              Material::glass);
+}
+
+void addWashingMachine(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
+  const double depth = random.uniform(0.52, kind::kWashingMachine.depth - 0.02);
+  const double back = -kind::kWashingMachine.depth / 2;
+  builder.box(spot.relative(back + depth / 2, 0), {depth, kind::kWashingMachine.width, 0.85}, when);
+  builder.ellipsoid(spot.relative(back + depth, 0), 0.45, {0.02, 0.17, 0.17}, when, Material::dark);
+  addOddments(builder, spot.relative(back + depth / 2, 0, 0, 0.85), depth, kind::kWashingMachine.width,
+              count(random, 0, 2), random, when);
+}
+
+}  // namespace
+
+namespace kind {
+const Kind kDesk{addDesk, 0.8, 1.6};
+const Kind kChair{addChair, 0.6, 0.6};
+const Kind kTable{addTable, 0.9, 1.7};
+const Kind kRoundTable{addRoundTable, 1.2, 1.2};
+const Kind kCoffeeTable{addCoffeeTable, 0.65, 1.1};
+const Kind kCupboard{addCupboard, 0.45, 1.2, true};
+const Kind kSideboard{addSideboard, 0.45, 1.7};
+const Kind kWardrobe{addWardrobe, 0.62, 1.7, true};
+const Kind kShoeCupboard{addShoeCupboard, 0.3, 1.0};
+const Kind kBookcase{addBookcase, 0.35, 1.0, true};
+const Kind kSofa{addSofa, 0.95, 2.1};
+const Kind kArmchair{addArmchair, 0.9, 0.9};
+const Kind kTvStand{addTvStand, 0.45, 1.6};
+const Kind kBed{addBed, 2.1, 1.65};
+const Kind kBedsideTable{addBedsideTable, 0.42, 0.45};
+const Kind kLamp{addLamp, 0.44, 0.44, true};
+const Kind kBin{addBin, 0.36, 0.36};
+const Kind kPlant{addPlant, 0.8, 0.8, true};
+const Kind kPerson{addPerson, 0.44, 0.6, true};
+const Kind kCoats{addCoats, 0.3, 0.9, true};
+const Kind kRadiator{addRadiator, 0.15, 1.2};
+const Kind kCarton{addCarton, 0.6, 0.6};
+const Kind kKitchenUnit{addKitchenUnit, 0.64, 2.4};
+const Kind kFridge{addFridge, 0.66, 0.6, true};
+const Kind kBathtub{addBathtub, 0.75, 1.7};
+const Kind kToilet{addToilet, 0.68, 0.4};
+const Kind kWashbasin{addWashbasin, 0.5, 0.65};
+const Kind kWashingMachine{addWashingMachine, 0.62, 0.6};
+}  // namespace kind
 
 void addPicture(SceneBuilder& builder, const Spot& on_wall, double width, double height) {
   constexpr double kFrame = 0.03;

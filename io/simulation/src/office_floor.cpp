@@ -245,7 +245,7 @@ private:
     builder_.wall(corner(0, -room.right), corner(room.depth, -room.right), kWall, kCeiling);
     builder_.wall(corner(room.depth, room.left), corner(room.depth, -room.right), kWall, kCeiling,
                   room.windows);
-    frameDoor(door);
+    addDoorFrame(builder_, door, 1, kDoorHeight);
     // The door stands open at a wall; the one of the unmapped room was closed when the map was made.
     const double open = random_.uniform(110, 165) * kDegree;
     const double closed = door.yaw - kQuarter;
@@ -258,15 +258,6 @@ private:
     if (k == unmapped_)
       place_.unmapped_rooms.emplace_back(corner(0, room.left).cwiseMin(corner(room.depth, -room.right)),
                                          corner(0, room.left).cwiseMax(corner(room.depth, -room.right)));
-  }
-
-  /** Boards around an opening, on the side of the room. */
-  void frameDoor(const Spot& door) {
-    constexpr double kBoard = 0.08, kThickness = 0.02;
-    for (const int side : {-1, 1})
-      builder_.box(door.relative(kThickness / 2, side * (0.5 + kBoard / 2)),
-                   {kThickness, kBoard, kDoorHeight});
-    builder_.box(door.relative(kThickness / 2, 0, 0, kDoorHeight), {kThickness, 1 + 2 * kBoard, kBoard});
   }
 
   /** A ceiling with beams across the corridors. */
@@ -303,9 +294,9 @@ private:
       } else if (choice < 0.65) {
         noticeBoard(spot);
       } else if (choice < 0.8) {
-        furniture(spot.relative(0.24, 0), addBin);
+        furniture(spot.relative(0.24, 0), kind::kBin);
       } else if (choice < 0.88 && free > 0.4) {
-        furniture(spot.relative(0.26, 0), addPlant);
+        furniture(spot.relative(0.26, 0), kind::kPlant);
       }
     }
   }
@@ -329,13 +320,12 @@ private:
   }
 
   /** A piece of furniture, of the same size wherever it stands. */
-  template <class Add>
-  void furniture(const Spot& spot, const Add& add) {
+  void furniture(const Spot& spot, const Kind& kind) {
     constexpr std::uint64_t kPurpose = 1;
     const Random sizes(derivedSeed(seed_, kPurpose, ++pieces_));
     movable(spot, random_.uniform(-0.3, 0.3), [&](const Spot& at, When when) {
       Random same = sizes;
-      add(builder_, at, same, when);
+      kind.add(builder_, at, same, when);
     });
   }
 
@@ -352,13 +342,13 @@ private:
     const auto likely = [&](double probability) { return random_.uniform() < probability; };
 
     const double desk = depth - random_.uniform(0.9, 1.5);
-    furniture(at(desk, left - 0.4, -kQuarter), addDesk);
-    furniture(at(desk + random_.uniform(-0.2, 0.2), left - 1.0, kQuarter), addChair);
-    if (likely(0.6)) furniture(at(depth - random_.uniform(0.9, 1.4), -(right - 0.4), kQuarter), addDesk);
-    if (likely(0.6)) furniture(at(random_.uniform(0.9, 1.3), -(right - 0.2), kQuarter), addBookcase);
-    if (likely(0.6)) furniture(at(random_.uniform(1.2, 1.6), left - 0.25, -kQuarter), addCupboard);
-    if (likely(0.5)) furniture(at(depth - 0.4, random_.uniform(-0.4, 0.4), 2 * kQuarter), addPlant);
-    if (likely(0.35)) furniture(at(depth - 0.7, -(right - 1.0), random_.uniform(-3, 3)), addPerson);
+    furniture(at(desk, left - 0.4, -kQuarter), kind::kDesk);
+    furniture(at(desk + random_.uniform(-0.2, 0.2), left - 1.0, kQuarter), kind::kChair);
+    if (likely(0.6)) furniture(at(depth - random_.uniform(0.9, 1.4), -(right - 0.4), kQuarter), kind::kDesk);
+    if (likely(0.6)) furniture(at(random_.uniform(0.9, 1.3), -(right - 0.2), kQuarter), kind::kBookcase);
+    if (likely(0.6)) furniture(at(random_.uniform(1.2, 1.6), left - 0.25, -kQuarter), kind::kCupboard);
+    if (likely(0.5)) furniture(at(depth - 0.4, random_.uniform(-0.4, 0.4), 2 * kQuarter), kind::kPlant);
+    if (likely(0.35)) furniture(at(depth - 0.7, -(right - 1.0), random_.uniform(-3, 3)), kind::kPerson);
     for (const Opening& window : room.windows)
       builder_.box(door.relative(depth - 0.06, room.left - window.at, 0, 0.15),
                    {0.1, 0.75 * window.width, 0.6});
