@@ -76,7 +76,7 @@ private:
   std::uint16_t next_id_ = 1;
 };
 
-// ---- Places: most have a file each, NAME_floor.cpp, corridors.cpp and so on ----
+// ---- Places: most have a file each, such as office_floor.cpp ----
 SimulatedPlace officeFloor(std::uint64_t seed);
 SimulatedPlace homeFloor(std::uint64_t seed);
 SimulatedPlace hallFloor(std::uint64_t seed);
