@@ -152,11 +152,9 @@ public:
 
   /** \brief A thing that is there in one of the runs only. */
   void passing(const Kind& kind, const Eigen::AlignedBox2d& area, When when) {
-    const auto spot = findSpot(
-        kind, [&] { return drawSpot(area); }, area);
-    if (!spot) return;
-    plan_.take(footprint(kind, *spot), heights(kind));
-    kind.add(builder_, *spot, random_, when);
+    if (const auto spot = takeSpot(
+            kind, [&] { return drawSpot(area); }, area))
+      kind.add(builder_, *spot, random_, when);
   }
 
   /** \brief A spot on the wall for something flat, at a height; none if all walls are covered there. */
@@ -209,21 +207,23 @@ private:
     return corner.relative(spotOffset(kind) + std::max(off, 0.0), -along, turn);
   }
 
+  /** None if there is no room. */
   template <class Draw>
-  std::optional<Spot> findSpot(const Kind& kind, Draw&& draw, const Eigen::AlignedBox2d& area) {
+  std::optional<Spot> takeSpot(const Kind& kind, Draw&& draw, const Eigen::AlignedBox2d& area) {
     for (int i = 0; i < kTries; ++i) {
       const Spot spot = draw();
       const Footprint taken = footprint(kind, spot);
-      if (taken.isWithin(area) && plan_.isFree(taken, heights(kind))) return spot;
+      if (!taken.isWithin(area) || !plan_.isFree(taken, heights(kind))) continue;
+      plan_.take(taken, heights(kind));
+      return spot;
     }
     return std::nullopt;
   }
 
   template <class Draw>
   std::optional<Spot> put(const Kind& kind, bool light, Draw&& draw, const Eigen::AlignedBox2d& area) {
-    const std::optional<Spot> spot = findSpot(kind, draw, area);
+    const std::optional<Spot> spot = takeSpot(kind, draw, area);
     if (!spot) return spot;
-    plan_.take(footprint(kind, *spot), heights(kind));
     const bool moves = random_.uniform() < kShareMoved;
     if (!light || !moves) {
       kind.add(builder_, *spot, random_, When::always);
@@ -231,9 +231,8 @@ private:
     }
     const Random before = random_;
     kind.add(builder_, *spot, random_, When::mapped);
-    if (const std::optional<Spot> later = findSpot(
+    if (const std::optional<Spot> later = takeSpot(
             kind, [&] { return pushed(*spot); }, area)) {
-      plan_.take(footprint(kind, *later), heights(kind));
       Random again = before;
       kind.add(builder_, *later, again, When::later);
     }

@@ -52,19 +52,8 @@ double quantile(const Histogram& histogram, double q) {
   return 0;
 }
 
-/** Statistics of the raw values of depth PNGs: of pixels that are measured, and of pairs of neighbours. */
-struct DepthValues {
-  std::size_t count = 0;          ///< number of measured pixels
-  std::size_t different = 0;      ///< number of different values
-  int divisor = 1;                ///< largest number of which 98 % of the values are multiples
-  double neighbours = 0;          ///< median difference of neighbouring pixels that differ
-  double neighbours_swapped = 0;  ///< the same with the two bytes of each value swapped
-  double median = 0;              ///< median of the values
-  Histogram histogram;            ///< number of pixels by value, 65536 entries; empty without any
-};
-
-/** Counts the values of images, and the differences of neighbours. */
-class Counter {
+/** The raw values of depth PNGs: of pixels that are measured, and the differences of neighbours. */
+class DepthValues {
 public:
   void add(const Raster<std::uint16_t>& image) {
     for (int v = 0; v < image.height; ++v)
@@ -81,47 +70,42 @@ public:
       }
   }
 
-  DepthValues result() && {
-    DepthValues found;
-    for (const std::size_t n : values_) found.count += n, found.different += n > 0;
-    if (found.count == 0) return found;
-    found.neighbours = quantile(as_read_, 0.5);
-    found.neighbours_swapped = quantile(with_swapped_, 0.5);
-    found.median = quantile(values_, 0.5);
-    if (found.different >= kLeastDifferent) found.divisor = divisor(found.count);
-    found.histogram = std::move(values_);
-    return found;
+  /** Number of measured pixels with values above a limit. */
+  std::size_t count(double limit = 0) const {
+    std::size_t count = 0;
+    for (std::size_t value = 0; value < kValues; ++value)
+      if (static_cast<double>(value) > limit) count += values_[value];
+    return count;
   }
+  /** Quantile of the values; 0 without any. */
+  double valueAt(double q) const { return quantile(values_, q); }
+  /** Median difference of neighbouring pixels that differ. */
+  double neighbours() const { return quantile(as_read_, 0.5); }
+  /** The same with the two bytes of each value swapped. */
+  double neighboursSwapped() const { return quantile(with_swapped_, 0.5); }
 
-private:
-  int divisor(std::size_t count) const {
-    for (int divisor = kLargestDivisor; divisor > 1; --divisor) {
+  /** Largest number of which 98 % of the values are multiples. */
+  int divisor() const {
+    const auto different =
+        kValues - static_cast<std::size_t>(std::count(values_.begin(), values_.end(), std::size_t{0}));
+    const std::size_t all = count();
+    for (int divisor = kLargestDivisor; divisor > 1 && different >= kLeastDifferent; --divisor) {
       std::size_t multiples = 0;
       for (std::size_t value = 0; value < kValues; value += static_cast<std::size_t>(divisor))
         multiples += values_[value];
-      if (static_cast<double>(multiples) >= kMultiples * static_cast<double>(count)) return divisor;
+      if (static_cast<double>(multiples) >= kMultiples * static_cast<double>(all)) return divisor;
     }
     return 1;
   }
 
+private:
   Histogram values_ = Histogram(kValues), as_read_ = Histogram(kValues), with_swapped_ = Histogram(kValues);
 };
-
-int bitsOf(int power_of_two) {
-  int bits = 0;
-  while ((1 << bits) < power_of_two) ++bits;
-  return bits;
-}
-
-bool haveSwappedBytes(const DepthValues& values) {
-  constexpr double kLeast = 64, kSmoother = 4;  // neighbours differ by a few values in any depth image
-  return values.neighbours >= kLeast && kSmoother * values.neighbours_swapped < values.neighbours;
-}
 
 /** The fault revealed by the largest common divisor; nothing if it is usual. */
 std::optional<Finding> divisorFinding(const DepthValues& values, double depth_scale, Severity severity) {
   constexpr double kCoarse = 0.0015;  // [m] devices have steps of up to 1 mm
-  const int n = values.divisor;
+  const int n = values.divisor();
   if (n < 2 || n / depth_scale < kCoarse) return {};
   const double step = 1e3 * n / depth_scale;
   Finding found{
@@ -130,48 +114,49 @@ std::optional<Finding> divisorFinding(const DepthValues& values, double depth_sc
       fmt::format("PNG values are multiples of {}, so that depths come in steps of {:.3g} mm", n, step),
       "",
       {{"divisor", static_cast<double>(n)}, {"step_mm", step}}};
-  found.words += n == 256 || n == 257
-                     ? ": they have been made of images of 8 bits, which cannot hold depths; take the "
-                       "original ones"
-                     : fmt::format(": depth_scale is probably {}{}", 1000 * n,
-                                   (n & (n - 1)) == 0  // a power of two
-                                       ? fmt::format(" (or the bits are shifted or rotated by {})", bitsOf(n))
-                                       : std::string());
+  found.words +=
+      n == 256 || n == 257
+          ? ": they have been made of images of 8 bits, which cannot hold depths; take the "
+            "original ones"
+          : fmt::format(": depth_scale is probably {}{}", 1000 * n,
+                        (n & (n - 1)) == 0  // a power of two
+                            ? fmt::format(" (or the bits are shifted or rotated by {})", std::ilogb(n))
+                            : std::string());
   return found;
 }
 
 /** Judges values: swapped bytes, shifted bits, 8 bits in place of 16, a wrong depth_scale.
  * \param depth_scale values per metre */
-Findings valuesFindings(const DepthValues& found, double depth_scale) {
+Findings valuesFindings(const DepthValues& values, double depth_scale) {
   constexpr double kFar = 10;                      // [m]
   constexpr double kManyFar = 0.25;                // share of the pixels
   constexpr double kLeastMedian = 0.25;            // [m]
   constexpr double kNoCamera = 0.1, kNoRoom = 30;  // [m] medians of no recording
   constexpr double k8Bits = 256;
+  constexpr double kSteep = 64, kSmoother = 4;  // neighbours differ by a few values in any depth image
   Findings all;
-  if (found.count == 0) return all;
-  std::size_t far = 0;
-  for (std::size_t value = 0; value < kValues; ++value)
-    if (static_cast<double>(value) > kFar * depth_scale) far += found.histogram[value];
-  const double share_beyond_10m = static_cast<double>(far) / static_cast<double>(found.count);
-  const double median_depth = found.median / depth_scale;
-  if (haveSwappedBytes(found)) {
+  const auto count = static_cast<double>(values.count());
+  if (count == 0) return all;
+  const double share_beyond_10m = static_cast<double>(values.count(kFar * depth_scale)) / count;
+  const double median_depth = values.valueAt(0.5) / depth_scale;
+  const double neighbours = values.neighbours(), neighbours_swapped = values.neighboursSwapped();
+  if (neighbours >= kSteep && kSmoother * neighbours_swapped < neighbours) {
     all.push_back(
         {"values.bytes",
          Severity::refusal,
          fmt::format("the bytes of the PNG values are swapped: neighbouring pixels differ by {:.0f} values, "
                      "and by {:.0f} with the bytes in the other order",
-                     found.neighbours, found.neighbours_swapped),
+                     neighbours, neighbours_swapped),
          "PNG is big-endian, write the images anew",
-         {{"neighbours", found.neighbours}, {"neighbours_swapped", found.neighbours_swapped}}});
+         {{"neighbours", neighbours}, {"neighbours_swapped", neighbours_swapped}}});
     return all;
   }
   const bool is_far = share_beyond_10m > kManyFar;
   const bool is_impossible = median_depth < kNoCamera || median_depth > kNoRoom;
   if (auto divisor =
-          divisorFinding(found, depth_scale, is_far || is_impossible ? Severity::refusal : Severity::doubt))
+          divisorFinding(values, depth_scale, is_far || is_impossible ? Severity::refusal : Severity::doubt))
     all.push_back(std::move(*divisor));
-  if (quantile(found.histogram, 0.999) < k8Bits && median_depth > kLeastMedian)
+  if (values.valueAt(0.999) < k8Bits && median_depth > kLeastMedian)
     all.push_back({"values.bits", Severity::doubt,
                    "all PNG values are below 256: depths have been cut down to 8 bits",
                    "take the original ones"});
@@ -507,17 +492,17 @@ std::optional<Finding> opticsFinding(const Intrinsics& camera) {
 
 Findings depthFindings(const std::vector<DepthImage>& images, double max_depth) {
   constexpr double kMillimetres = 1000, kLargest = kNotMeasured - 1;
-  Counter counter;
+  DepthValues values;
   for (const DepthImage& image : images) {
-    Raster<std::uint16_t> values{image.camera.width, image.camera.height, 1, {}};
+    Raster<std::uint16_t> raster{image.camera.width, image.camera.height, 1, {}};
     for (const float z : image.depth)
-      values.data.push_back(
+      raster.data.push_back(
           isMeasured(z) ? static_cast<std::uint16_t>(std::lround(std::min(kMillimetres * z, kLargest)))
                         : std::uint16_t{0});
-    counter.add(values);
+    values.add(raster);
   }
   Findings all;
-  for (Finding& finding : valuesFindings(std::move(counter).result(), kMillimetres))
+  for (Finding& finding : valuesFindings(values, kMillimetres))
     if (finding.id == "values.scale") all.push_back(std::move(finding));
   append(valueFindings(images, max_depth), all);
   return all;
@@ -527,14 +512,14 @@ Findings readingFindings(const DepthSequence& sequence) {
   Findings all;
   for (const std::string& remark : sequence.remarks())
     all.push_back({"reading.remark", Severity::note, remark, ""});
-  Counter counter;
+  DepthValues values;
   const std::vector<ValueImage> images =
-      sampledImages(sequence, [&counter](const Raster<std::uint16_t>& values) { counter.add(values); });
+      sampledImages(sequence, [&values](const Raster<std::uint16_t>& image) { values.add(image); });
   double max_depth = std::numeric_limits<double>::infinity();
   if (const auto& file = sequence.camera()) {
     max_depth = file->camera.max_depth;
     if (auto optics = opticsFinding(file->camera.intrinsics)) all.push_back(std::move(*optics));
-    append(valuesFindings(std::move(counter).result(), file->depth_scale), all);
+    append(valuesFindings(values, file->depth_scale), all);
   }
   if (!firstOf(all, Severity::refusal)) append(judged(images, max_depth), all);
   return all;
