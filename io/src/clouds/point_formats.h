@@ -80,11 +80,4 @@ pcl::PolygonMesh readPly(const std::filesystem::path& path);
  * of faces. */
 void writePly(std::ostream& out, const pcl::PolygonMesh& mesh);
 
-/** \brief The vertices and faces of a Wavefront OBJ file, without its normals, textures and materials. Faces
- * may have vertices that are not there. Throws IoError with the line that cannot be read. */
-pcl::PolygonMesh readObj(const std::filesystem::path& path);
-
-/** \brief Reads an .stl file, text or binary. Corners at the same position are one point. */
-pcl::PolygonMesh readStl(const std::filesystem::path& path);
-
 }  // namespace facetloc
