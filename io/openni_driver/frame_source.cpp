@@ -34,7 +34,7 @@ std::vector<std::string> sceneNames() {
 /** Reads a .scene file. */
 class Reader {
 public:
-  explicit Reader(const std::filesystem::path& path) : path_(path.string()) {}
+  explicit Reader(const fs::path& path) : path_(path.string()) {}
 
   SceneFile read() {
     files::forEachLine(files::readText(path_), path_, [this](std::string_view line) {
@@ -222,16 +222,14 @@ private:
 
 }  // namespace
 
-SceneFile readSceneFile(const std::filesystem::path& path) { return Reader(path).read(); }
+SceneFile readSceneFile(const fs::path& path) { return Reader(path).read(); }
 
 bool isFrameSource(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_directory(path, ignored) || text::lowerExtension(path) == ".scene";
+  return files::isFolder(path) || text::lowerExtension(path) == ".scene";
 }
 
 std::unique_ptr<FrameSource> openFrameSource(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return std::make_unique<SequenceSource>(path);
+  if (files::isFolder(path)) return std::make_unique<SequenceSource>(path);
   return std::make_unique<SceneSource>(readSceneFile(path));
 }
 

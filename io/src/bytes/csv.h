@@ -95,7 +95,7 @@ public:
   /** \brief Throws IoError for a file that is no table.
    * \param forgive_torn The last row is left out unless its line ends: it may be torn, as a program leaves it
    * that is killed while it writes. */
-  explicit Table(const std::filesystem::path& path, bool forgive_torn = false) : path_(path.string()) {
+  explicit Table(const fs::path& path, bool forgive_torn = false) : path_(path.string()) {
     const std::string content = files::readText(path);
     forgive_torn = forgive_torn && !content.empty() && content.back() != '\n';
     try {

@@ -21,21 +21,37 @@
 #include <system_error>
 #include <vector>
 
-namespace facetloc::files {
+namespace facetloc {
+namespace fs = std::filesystem;
+
+namespace files {
 
 /** \brief Why the last call of the C library failed. */
 inline std::string lastError() { return std::generic_category().message(errno); }
 
+// The three next are false where nothing can be looked at.
+inline bool isThere(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+inline bool isFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+inline bool isFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
 /** \brief Throws IoError if a clone of a repository has a pointer of Git LFS or git-annex, a link or a few
  * lines of text, in place of the file. */
-inline void requireNoPointer(const std::filesystem::path& path) {
+inline void requireNoPointer(const fs::path& path) {
   constexpr std::uintmax_t kLargest = 32768;  // bytes, by the specifications
   std::error_code error;
   std::string begin;
-  if (std::filesystem::is_symlink(path, error) && !std::filesystem::exists(path, error)) {
-    begin = std::filesystem::read_symlink(path, error).string();
-  } else if (std::filesystem::is_regular_file(path, error) &&
-             std::filesystem::file_size(path, error) < kLargest) {
+  if (fs::is_symlink(path, error) && !isThere(path)) {
+    begin = fs::read_symlink(path, error).string();
+  } else if (isFile(path) && fs::file_size(path, error) < kLargest) {
     begin.resize(27);
     std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
   }
@@ -47,45 +63,44 @@ inline void requireNoPointer(const std::filesystem::path& path) {
 
 /** \brief Throws IoError unless path is a file that can be there to be read from its beginning to its end, or
  * a pipe. */
-inline void requireFile(const std::filesystem::path& path) {
+inline void requireFile(const fs::path& path) {
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
+  const auto status = fs::status(path, error);
   requireNoPointer(path);
-  if (!std::filesystem::exists(status)) throw IoError(path.string(), "does not exist");
-  if (std::filesystem::is_directory(status)) throw IoError(path.string(), "is a folder, not a file");
-  if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status))
+  if (!fs::exists(status)) throw IoError(path.string(), "does not exist");
+  if (fs::is_directory(status)) throw IoError(path.string(), "is a folder, not a file");
+  if (!fs::is_regular_file(status) && !fs::is_fifo(status))
     throw IoError(path.string(), "is a device or a socket, not a file");
 }
 
 /** \brief Throws IoError unless any place of the file can be read at any time: a pipe will not do. */
-inline void requireRegularFile(const std::filesystem::path& path) {
+inline void requireRegularFile(const fs::path& path) {
   requireFile(path);
-  if (std::filesystem::is_fifo(path)) throw IoError(path.string(), "is a pipe, not a file");
+  if (fs::is_fifo(path)) throw IoError(path.string(), "is a pipe, not a file");
 }
 
 /** \brief A rename would put a file in the place of a device, a pipe or a folder. Throws IoError. */
-inline void requireReplaceable(const std::filesystem::path& path) {
+inline void requireReplaceable(const fs::path& path) {
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+  const auto status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status))
     throw IoError(path.string(), "exists already and is not a regular file");
 }
 
 /** \brief Throws IoError unless a file can be created at path as far as folders are concerned. */
-inline void requireFolderOf(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  if (!std::filesystem::is_directory(folder, error))
+inline void requireFolderOf(const fs::path& path) {
+  const auto folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!isFolder(folder))
     throw IoError(path.string(), fmt::format("its folder {} does not exist", folder.string()));
 }
 
 /** \brief Where a file would be written: a link is kept, and its target, which may not exist yet,
  * is replaced. */
-inline std::filesystem::path linkedFrom(std::filesystem::path path) {
+inline fs::path linkedFrom(fs::path path) {
   constexpr int kMostLinks = 40;  // as the kernel's
   std::error_code error;
-  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, error); ++i)
-    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+  for (int i = 0; i < kMostLinks && fs::is_symlink(path, error); ++i)
+    path = path.parent_path() / fs::read_symlink(path, error);
   return path;
 }
 
@@ -95,7 +110,7 @@ struct Close {
 using FilePtr = std::unique_ptr<std::FILE, Close>;
 
 /** \brief Opens a file to be read. A pipe without a writer ends at once instead of blocking. */
-inline FilePtr open(const std::filesystem::path& path) {
+inline FilePtr open(const fs::path& path) {
   const int number = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   FilePtr file(number < 0 ? nullptr : fdopen(number, "rb"));
   if (!file) throw IoError(path.string(), "cannot be opened: " + lastError());
@@ -131,7 +146,7 @@ inline std::string fromUtf16(std::string_view bytes, bool big_endian) {
 }
 
 /** \brief All bytes of a file. */
-inline std::string readBytes(const std::filesystem::path& path) {
+inline std::string readBytes(const fs::path& path) {
   requireFile(path);
   const FilePtr file = open(path);
   std::string bytes;
@@ -152,7 +167,7 @@ inline std::string asUtf8(std::string bytes) {
 
 /** \brief A whole text file as UTF-8 (asUtf8()), in which lines end with "\n" or "\r\n". UTF-16 without a
  * mark is known by its first two characters. */
-inline std::string readText(const std::filesystem::path& path) {
+inline std::string readText(const fs::path& path) {
   std::string text = asUtf8(readBytes(path));
   const auto zeros = [&text](std::size_t i) { return text.size() > 3 ? !text[i] + !text[i + 2] : 1; };
   if (zeros(0) + zeros(1) == 2 && zeros(0) != 1) text = fromUtf16(text, zeros(0) == 2);
@@ -163,21 +178,13 @@ inline std::string readText(const std::filesystem::path& path) {
 /** \brief The sorted entries of a folder for which a condition holds; none of a folder that cannot be read.
  */
 template <typename Condition>
-std::vector<std::filesystem::path> entriesOf(const std::filesystem::path& folder, const Condition& holds) {
-  std::vector<std::filesystem::path> found;
+std::vector<fs::path> entriesOf(const fs::path& folder, const Condition& holds) {
+  std::vector<fs::path> found;
   std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
     if (holds(entry)) found.push_back(entry.path());
   std::sort(found.begin(), found.end());
   return found;
-}
-inline bool isFile(const std::filesystem::directory_entry& entry) {
-  std::error_code ignored;
-  return entry.is_regular_file(ignored);
-}
-inline bool isFolder(const std::filesystem::directory_entry& entry) {
-  std::error_code ignored;
-  return entry.is_directory(ignored);
 }
 
 /** \brief Calls use(line) with each line of a text; its std::invalid_argument becomes an IoError with the
@@ -193,20 +200,21 @@ void forEachLine(std::string_view content, const std::string& path, const Use& u
     }
 }
 
-}  // namespace facetloc::files
+}  // namespace files
 
-namespace facetloc::internal {
+namespace internal {
 
 inline bool endsWith(const std::string& name, const std::string& ending) {
   return name.size() >= ending.size() &&
          name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
 }
 using text::lowerExtension;
-inline bool isPng(const std::filesystem::path& path) { return lowerExtension(path) == ".png"; }
+inline bool isPng(const fs::path& path) { return lowerExtension(path) == ".png"; }
 
 /** \brief Adds a sentence, behind a semicolon, unless it is empty. */
 inline void addSentence(const std::string& sentence, std::string& sentences) {
   if (!sentence.empty()) sentences += (sentences.empty() ? "" : "; ") + sentence;
 }
 
-}  // namespace facetloc::internal
+}  // namespace internal
+}  // namespace facetloc

@@ -22,8 +22,6 @@
 namespace facetloc {
 namespace {
 
-namespace fs = std::filesystem;
-
 /** The name of a temporary file, also for the journal that SQLite keeps beside it; else empty. */
 std::string temporaryOf(const std::string& name) {
   static const std::regex names("(\\.facetloc-[0-9a-f]{16}\\.tmp)(-journal)?");
@@ -94,26 +92,25 @@ files::Descriptor locked(const fs::path& path, int flags) {
 
 std::string readText(const fs::path& path) { return files::readText(path); }
 
-void createFolders(const std::filesystem::path& folder) {
-  std::error_code error, ignored;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder, ignored))
+void createFolders(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!files::isFolder(folder))
     throw IoError(folder.string(), "cannot be created: " + (error ? error.message() : "it is a file"));
 }
 
-void writeAtomically(const std::filesystem::path& path,
-                     const std::function<void(const std::filesystem::path& temporary)>& write) {
+void writeAtomically(const fs::path& path, const std::function<void(const fs::path& temporary)>& write) {
   TemporaryFile temporary(path);
   try {
     write(temporary.path());
-  } catch (const std::filesystem::filesystem_error& e) {
+  } catch (const fs::filesystem_error& e) {
     throw WriteError(path.string(), e.what());
   }
   temporary.rename();
 }
 
-void writeTextAtomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write) {
-  writeAtomically(path, [&](const std::filesystem::path& temporary) {
+void writeTextAtomically(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  writeAtomically(path, [&](const fs::path& temporary) {
     errno = 0;
     std::ofstream out(temporary, std::ios::binary);
     if (!out) throw WriteError(path.string(), files::lastError());
@@ -125,7 +122,7 @@ void writeTextAtomically(const std::filesystem::path& path, const std::function<
 }
 
 struct GrowingFile::Impl {
-  std::filesystem::path path;
+  fs::path path;
   files::Descriptor file;
 
   void append(const std::string& text) {
@@ -137,7 +134,7 @@ struct GrowingFile::Impl {
   }
 };
 
-GrowingFile::GrowingFile(const std::filesystem::path& path, const std::string& header) {
+GrowingFile::GrowingFile(const fs::path& path, const std::string& header) {
   TemporaryFile file(path);
   impl_ = std::make_unique<Impl>(Impl{path, file.duplicate()});
   impl_->append(header);

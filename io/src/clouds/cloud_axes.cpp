@@ -284,7 +284,7 @@ std::optional<CloudImage> imageOf(const Cloud& points, const Eigen::Isometry3d& 
 }
 
 /** \param viewpoint receives the one of the header */
-Cloud readOrganizedPoints(const std::filesystem::path& path, Eigen::Isometry3d& viewpoint) {
+Cloud readOrganizedPoints(const fs::path& path, Eigen::Isometry3d& viewpoint) {
   const PcdHeader header(path);
   if (header.height < 2 || header.width < 2)
     throw IoError(path.string(),
@@ -308,14 +308,14 @@ Cloud readOrganizedPoints(const std::filesystem::path& path, Eigen::Isometry3d& 
 
 }  // namespace
 
-void requireSizeOf(const Intrinsics& camera, int width, int height, const std::filesystem::path& path) {
+void requireSizeOf(const Intrinsics& camera, int width, int height, const fs::path& path) {
   if (width == camera.width && height == camera.height) return;
   throw IoError(path.string(), fmt::format("is of {}x{} pixels, but the camera of {}x{}: the calibration in "
                                            "camera.ini must be for images of this size",
                                            width, height, camera.width, camera.height));
 }
 
-CloudImage imageOfPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera) {
+CloudImage imageOfPcd(const fs::path& path, const std::optional<Intrinsics>& camera) {
   Eigen::Isometry3d viewpoint;
   const Cloud points = readOrganizedPoints(path, viewpoint);
   if (camera) requireSizeOf(*camera, static_cast<int>(points.width), static_cast<int>(points.height), path);

@@ -26,8 +26,6 @@
 namespace facetloc {
 namespace {
 
-namespace fs = std::filesystem;
-
 class ObjReader {
 public:
   void take(std::string_view line) {
@@ -205,8 +203,7 @@ pcl::PCLPointCloud2 pointsOf(const pcl::PCLPointCloud2& cloud, double factor, co
 /** The .yaml beside the image of a plan, or the lines to write into one. */
 std::string adviceOnPlan(const fs::path& image) {
   const fs::path yaml = fs::path(image).replace_extension(".yaml");
-  std::error_code ignored;
-  if (fs::exists(yaml, ignored))
+  if (files::isThere(yaml))
     return fmt::format("is an image: of a floor plan, name its {}", yaml.filename().string());
   return fmt::format(
       "is an image: a floor plan is named by its .yaml file, so write {} with these lines, the second and "

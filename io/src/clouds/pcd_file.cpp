@@ -46,7 +46,7 @@ Eigen::Isometry3d poseOf(const std::vector<double>& viewpoint) {
 }
 
 /** The data after the header. */
-std::string bodyOf(const std::filesystem::path& path, const PcdHeader& header) {
+std::string bodyOf(const fs::path& path, const PcdHeader& header) {
   std::ifstream in(path, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(header.data_offset));
   std::string body{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -310,7 +310,7 @@ private:
 
 }  // namespace
 
-PcdHeader::PcdHeader(const std::filesystem::path& path, bool may_be_empty) {
+PcdHeader::PcdHeader(const fs::path& path, bool may_be_empty) {
   files::requireRegularFile(path);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw IoError(path.string(), "cannot be opened: " + files::lastError());
@@ -318,8 +318,7 @@ PcdHeader::PcdHeader(const std::filesystem::path& path, bool may_be_empty) {
   HeaderReader(name, may_be_empty, *this).read(in);
 }
 
-pcl::PCLPointCloud2 readPcd(const std::filesystem::path& path, const PcdHeader& header,
-                            Eigen::Isometry3d* viewpoint) {
+pcl::PCLPointCloud2 readPcd(const fs::path& path, const PcdHeader& header, Eigen::Isometry3d* viewpoint) {
   pcl::PCLPointCloud2 cloud;
   cloud.width = static_cast<std::uint32_t>(header.width);
   cloud.height = static_cast<std::uint32_t>(header.height);
@@ -339,8 +338,7 @@ pcl::PCLPointCloud2 readPcd(const std::filesystem::path& path, const PcdHeader& 
   return cloud;
 }
 
-void writePcd(const std::filesystem::path& path, const pcl::PCLPointCloud2& points,
-              const std::vector<double>& viewpoint) {
+void writePcd(const fs::path& path, const pcl::PCLPointCloud2& points, const std::vector<double>& viewpoint) {
   const std::string columns = columnsOf(points), packed = lzfPacked(columns);
   const std::uint32_t sizes[] = {static_cast<std::uint32_t>(packed.size()),
                                  static_cast<std::uint32_t>(columns.size())};

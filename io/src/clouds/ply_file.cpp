@@ -281,7 +281,7 @@ std::string faces(const std::vector<pcl::Vertices>& polygons) {
 
 }  // namespace
 
-pcl::PolygonMesh readPly(const std::filesystem::path& path) {
+pcl::PolygonMesh readPly(const fs::path& path) {
   files::requireRegularFile(path);
   const std::string bytes = files::asUtf8(files::readBytes(path)), name = path.string();
   const PlyHeader header = headerOf(bytes, name);

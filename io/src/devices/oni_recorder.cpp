@@ -22,7 +22,7 @@ constexpr auto kPatience = 2s;               // for the thread that writes
 constexpr std::uintmax_t kLeastRoom = 4096;  // for one frame, if none tells how much it takes [bytes]
 
 /** Is the record that says that data will follow the last one in the file? */
-bool awaitsData(const std::filesystem::path& path) {
+bool awaitsData(const fs::path& path) {
   constexpr long kSize = 40;
   constexpr std::uint32_t kMark = 0x0052494E, kDataBegin = 0x08;
   const auto file = files::open(path);
@@ -34,12 +34,12 @@ bool awaitsData(const std::filesystem::path& path) {
 
 /** Its name is random, so that no link can be put in its place; the file left by a killed recorder can be
  * read. */
-std::filesystem::path partOf(const std::filesystem::path& file) {
+fs::path partOf(const fs::path& file) {
   return file.parent_path() / fmt::format("{}.part-{}.oni", file.stem().string(), randomDigits());
 }
 
 /** The recorder starts on a thread of its own, and lets go all frames that come before that. */
-bool waitForStart(const std::filesystem::path& path) {
+bool waitForStart(const fs::path& path) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (!awaitsData(path)) {
     if (std::chrono::steady_clock::now() > end) return false;
@@ -66,8 +66,8 @@ struct OniRecorder::Recording {
   }
 };
 
-OniRecorder::OniRecorder(const std::string& device_uri, const std::filesystem::path& file)
-    : file_(std::filesystem::absolute(file)), part_(partOf(file_)) {
+OniRecorder::OniRecorder(const std::string& device_uri, const fs::path& file)
+    : file_(fs::absolute(file)), part_(partOf(file_)) {
   files::requireFolderOf(file_);
   if (!createNew(part_)) throw WriteError(file_.string(), files::lastError());  // OpenNI2 would not say why
   callOnPersistentThread([&] {
@@ -76,7 +76,7 @@ OniRecorder::OniRecorder(const std::string& device_uri, const std::filesystem::p
       start(device_uri);
     } catch (const IoError&) {
       recording_.reset();
-      std::filesystem::remove(part_);
+      fs::remove(part_);
       throw;
     }
   });
@@ -103,7 +103,7 @@ void OniRecorder::start(const std::string& device_uri) {
 
 bool OniRecorder::hasRoom() const {
   std::error_code error;
-  const auto space = std::filesystem::space(part_, error);
+  const auto space = fs::space(part_, error);
   return error || space.available >= frame_size_;
 }
 
@@ -128,13 +128,13 @@ std::size_t OniRecorder::stop() {
   }
   // OpenNI2 does not say that it could not write; the next frame then had no room.
   std::error_code error;
-  const auto space = std::filesystem::space(part_, error);
+  const auto space = fs::space(part_, error);
   const bool full = !error && space.available < (frames_ > 0 ? bytes / frames_ : kLeastRoom);
   if (frames_ > 0) {
-    std::filesystem::resize_file(part_, bytes);
-    std::filesystem::rename(part_, file_);
+    fs::resize_file(part_, bytes);
+    fs::rename(part_, file_);
   } else {
-    std::filesystem::remove(part_);
+    fs::remove(part_);
   }
   if (full) throw IoError(file_.string(), fmt::format("the disk is full: it has {} frames only", frames_));
   return frames_;

@@ -25,8 +25,6 @@
 
 namespace facetloc {
 
-namespace fs = std::filesystem;
-
 namespace internal {
 
 /** Layout of an image in a buffer: rows of width 16-bit values, little-endian, with bytes_per_row from
@@ -216,7 +214,7 @@ public:
       throw IoError(path.string(), "does not say how large its images are: give a camera.ini");
     in_.open(path, std::ios::binary);
     if (!in_) throw IoError(path.string(), "cannot be opened: " + files::lastError());
-    if (std::filesystem::file_size(path) == 0) throw IoError(path.string(), "is empty");
+    if (fs::file_size(path) == 0) throw IoError(path.string(), "is empty");
   }
 
   bool atEnd() const override { return ended_; }
@@ -257,11 +255,6 @@ using internal::Z16Layout;
 
 constexpr const char* kFileEnding = ".z16";
 
-bool isFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
 /** The camera with intrinsics of the images that the device sends. */
 CameraFile fitted(CameraFile camera, const Z16Layout& layout, const std::string& name) {
   Intrinsics& k = camera.camera.intrinsics;
@@ -284,9 +277,9 @@ CameraFile fitted(CameraFile camera, const Z16Layout& layout, const std::string&
 
 V4l2Frames::V4l2Frames(const fs::path& device, const CameraFile& camera) : name_(device.string()) {
   Intrinsics size = camera.camera.intrinsics;
-  if (isFile(device) && !size.valid())
+  if (files::isFile(device) && !size.valid())
     if (const CameraPreset* preset = findCameraPreset(camera.preset)) size = preset->intrinsics();
-  if (isFile(device))
+  if (files::isFile(device))
     buffers_ = std::make_unique<internal::Z16File>(device, size.width, size.height);
   else
     buffers_ = std::make_unique<internal::Z16Device>(device, size.width, size.height);
@@ -297,7 +290,8 @@ V4l2Frames::~V4l2Frames() = default;
 
 bool V4l2Frames::reads(const fs::path& path) {
   std::error_code ignored;
-  return fs::is_character_file(path, ignored) || (isFile(path) && text::lowerExtension(path) == kFileEnding);
+  return fs::is_character_file(path, ignored) ||
+         (files::isFile(path) && text::lowerExtension(path) == kFileEnding);
 }
 
 bool V4l2Frames::atEnd() const { return buffers_->atEnd(); }

@@ -11,8 +11,6 @@
 namespace facetloc {
 namespace {
 
-namespace fs = std::filesystem;
-
 StoredDepth readPng(const fs::path& path) {
   constexpr int kBits = 16;
   return storedIn(readGreyPng(path, kBits));

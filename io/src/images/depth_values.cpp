@@ -440,7 +440,7 @@ std::vector<ValueImage> sampledImages(const DepthSequence& sequence,
   std::vector<ValueImage> images;
   if (sequence.ofSegments()) return images;
   for (const std::size_t index : valueSample(sequence)) {
-    if (!std::filesystem::is_regular_file(sequence.frames()[index].path)) continue;  // a pipe is read once
+    if (!fs::is_regular_file(sequence.frames()[index].path)) continue;  // a pipe is read once
     try {
       ValueImage image = readImage(sequence, index, take);
       if (image.measured.size() >= kLeastPixels) images.push_back(std::move(image));

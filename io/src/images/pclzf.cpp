@@ -20,8 +20,6 @@
 namespace facetloc {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::size_t kHeader = 37;
 constexpr std::uint32_t kDepthBytes = 2;
 

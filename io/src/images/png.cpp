@@ -194,13 +194,13 @@ void writeImage(png_structp png, png_infop info, void* context) {
 }
 
 template <typename T>
-void write(const std::filesystem::path& path, Raster<T> image, bool channels_ok) {
+void write(const fs::path& path, Raster<T> image, bool channels_ok) {
   const bool sized = image.width > 0 && image.height > 0 && channels_ok &&
                      image.data.size() == std::size_t(image.width) * image.height * image.channels;
   if (!sized) throw std::invalid_argument("writePng: the image's size does not match its data");
   const Header header{static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
                       8 * int(sizeof(T)), image.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB};
-  writeAtomically(path, [&](const std::filesystem::path& temporary) {
+  writeAtomically(path, [&](const fs::path& temporary) {
     const files::FilePtr file(std::fopen(temporary.c_str(), "wb"));
     if (!file) throw WriteError(path.string(), files::lastError());
     auto rows = rowPointers(image.data, header.height);
@@ -212,7 +212,7 @@ void write(const std::filesystem::path& path, Raster<T> image, bool channels_ok)
 
 }  // namespace
 
-std::optional<PngSize> pngSize(const std::filesystem::path& path) {
+std::optional<PngSize> pngSize(const fs::path& path) {
   try {
     files::requireFile(path);
     const files::FilePtr file = files::open(path);
@@ -225,7 +225,7 @@ std::optional<PngSize> pngSize(const std::filesystem::path& path) {
   }
 }
 
-Raster<std::uint16_t> readGreyPng(const std::filesystem::path& path, int min_bits) {
+Raster<std::uint16_t> readGreyPng(const fs::path& path, int min_bits) {
   files::requireFile(path);
   return readGrey(files::open(path), path.string(), min_bits);
 }
@@ -252,11 +252,11 @@ bool isRgbaPng(const std::uint8_t* data, std::size_t size) {
          data[kColour] == PNG_COLOR_TYPE_RGB_ALPHA;
 }
 
-void writePng(const std::filesystem::path& path, const Raster<std::uint16_t>& image) {
+void writePng(const fs::path& path, const Raster<std::uint16_t>& image) {
   write(path, image, image.channels == 1);
 }
 
-void writePng(const std::filesystem::path& path, const Raster<std::uint8_t>& image) {
+void writePng(const fs::path& path, const Raster<std::uint8_t>& image) {
   write(path, image, image.channels == 1 || image.channels == 3);
 }
 

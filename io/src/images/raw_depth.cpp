@@ -16,8 +16,6 @@
 
 namespace facetloc {
 namespace {
-
-namespace fs = std::filesystem;
 std::string bytesOf(const fs::path& path) {
   std::string bytes = files::readBytes(path);
   if (bytes.empty()) throw IoError(path.string(), "is empty");
@@ -160,7 +158,7 @@ Greymap parsePgm(const std::string& source, std::string_view bytes) {
   return map;
 }
 
-void writePgm(const std::filesystem::path& path, const Raster<std::uint8_t>& image) {
+void writePgm(const fs::path& path, const Raster<std::uint8_t>& image) {
   writeTextAtomically(path, [&image](std::ostream& out) {
     out << "P5\n" << image.width << " " << image.height << "\n255\n";
     out.write(reinterpret_cast<const char*>(image.data.data()),

@@ -14,8 +14,6 @@
 namespace facetloc {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr tmsize_t kMostMemory = 1 << 28;  // size of one piece of libtiff's [bytes]
 
 /** The last thing that libtiff had to say of a file. */

@@ -12,7 +12,6 @@
 
 namespace facetloc::map_connection {
 
-namespace fs = std::filesystem;
 using sqlite::BadCell;
 using sqlite::Connection;
 using sqlite::Statement;

@@ -20,8 +20,6 @@
 
 namespace facetloc {
 namespace {
-
-namespace fs = std::filesystem;
 using namespace map_connection;
 using namespace map_rows;
 using sqlite::BadCell;
@@ -191,12 +189,12 @@ MapDatabase::MapDatabase(MapDatabase&&) noexcept = default;
 MapDatabase& MapDatabase::operator=(MapDatabase&&) noexcept = default;
 MapDatabase::~MapDatabase() = default;
 
-MapDatabase MapDatabase::create(const std::filesystem::path& path, bool overwrite) {
+MapDatabase MapDatabase::create(const fs::path& path, bool overwrite) {
   files::requireFolderOf(path);
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) throw IoError(path.string(), "is a folder, not a file");
-  const bool is_empty = fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) == 0;
-  if (fs::exists(path, ignored) && !is_empty && !overwrite) throw IoError(path.string(), "exists already");
+  if (files::isFolder(path)) throw IoError(path.string(), "is a folder, not a file");
+  const bool is_empty = files::isFile(path) && fs::file_size(path, ignored) == 0;
+  if (files::isThere(path) && !is_empty && !overwrite) throw IoError(path.string(), "exists already");
   if (!is_empty) removeWithJournal(path);
   fs::remove(journalOf(path), ignored);
   try {
@@ -208,7 +206,7 @@ MapDatabase MapDatabase::create(const std::filesystem::path& path, bool overwrit
   }
 }
 
-MapDatabase MapDatabase::open(const std::filesystem::path& path) {
+MapDatabase MapDatabase::open(const fs::path& path) {
   return MapDatabase(std::make_unique<Impl>(Impl{openForWriting(path)}));
 }
 
@@ -283,7 +281,7 @@ std::vector<std::string> MapDatabase::modelNames() const {
   return names;
 }
 
-Map readMap(const std::filesystem::path& path) {
+Map readMap(const fs::path& path) {
   Connection db = openForReading(path);
   return readSound(db, true);
 }
@@ -322,7 +320,7 @@ void writeMap(const fs::path& path, const Map& map, const std::function<void(std
   });
 }
 
-std::vector<std::string> checkMap(const std::filesystem::path& path) {
+std::vector<std::string> checkMap(const fs::path& path) {
   Connection db = openForReading(path);
   std::vector<std::string> faults;
   try {
@@ -336,16 +334,15 @@ std::vector<std::string> checkMap(const std::filesystem::path& path) {
   return faults;
 }
 
-bool isMapFile(const std::filesystem::path& path) {
+bool isMapFile(const fs::path& path) {
   constexpr std::string_view kMagic = "SQLite format 3";
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  if (!files::isFile(path)) return false;
   std::array<char, kMagic.size()> head{};
   std::ifstream in(path, std::ios::binary);
   return in.read(head.data(), head.size()) && std::string_view(head.data(), head.size()) == kMagic;
 }
 
-CameraFile cameraOfMap(const std::filesystem::path& map, const std::optional<CameraFile>& stored) {
+CameraFile cameraOfMap(const fs::path& map, const std::optional<CameraFile>& stored) {
   CameraFile file = stored.value_or(CameraFile{});
   const Intrinsics own = file.camera.intrinsics;
   file.camera = openMap(map).camera;
@@ -360,9 +357,8 @@ CameraFile cameraOfMap(const std::filesystem::path& map, const std::optional<Cam
 }
 
 Camera cameraNamed(const std::string& file_or_name) {
-  std::error_code ignored;
   if (isMapFile(file_or_name)) return cameraOfMap(file_or_name).camera;
-  if (std::filesystem::exists(file_or_name, ignored)) return readCameraFile(file_or_name).camera;
+  if (files::isThere(file_or_name)) return readCameraFile(file_or_name).camera;
   const CameraPreset* preset = findCameraPreset(file_or_name);
   if (!preset)
     throw IoError(file_or_name, fmt::format("is neither the file of a camera nor the name of one (known: {})",

@@ -79,8 +79,7 @@ std::pair<int, Eigen::Isometry3d> vertexOf(const std::vector<std::string_view>& 
 }
 
 /** Poses by index of the local model. */
-std::vector<std::optional<Eigen::Isometry3d>> verticesOf(const std::filesystem::path& path,
-                                                         std::size_t models) {
+std::vector<std::optional<Eigen::Isometry3d>> verticesOf(const fs::path& path, std::size_t models) {
   std::vector<std::optional<Eigen::Isometry3d>> poses(models);
   files::forEachLine(files::readText(path), path.string(), [&](std::string_view line) {
     const auto words = text::words(text::withoutComment(line));
@@ -94,8 +93,6 @@ std::vector<std::optional<Eigen::Isometry3d>> verticesOf(const std::filesystem::
   });
   return poses;
 }
-
-namespace fs = std::filesystem;
 
 constexpr const char* kGraph = "graph.g2o";
 
@@ -118,7 +115,7 @@ std::vector<StampedPose> posesOf(const Map& map) {
 
 }  // namespace
 
-void writeGraph(const std::filesystem::path& path, const Map& map) {
+void writeGraph(const fs::path& path, const Map& map) {
   writeTextAtomically(path, [&map](std::ostream& out) {
     for (std::size_t i = 0; i < map.models.size(); ++i) {
       out << commentOf(map, static_cast<int>(i)) << kVertex << ' ' << i;
@@ -136,7 +133,7 @@ void writeGraph(const std::filesystem::path& path, const Map& map) {
   });
 }
 
-void readGraphPoses(const std::filesystem::path& path, Map& map) {
+void readGraphPoses(const fs::path& path, Map& map) {
   const auto poses = verticesOf(path, map.models.size());
   bool any = false;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
@@ -157,11 +154,11 @@ void readGraphPoses(const std::filesystem::path& path, Map& map) {
   map.meta.erase(kSureKey);
 }
 
-void exportMap(const Map& map, const std::filesystem::path& folder) {
+void exportMap(const Map& map, const fs::path& folder) {
   createFolders(folder / "models");
-  if (std::filesystem::exists(folder / kGraph))  // left by an earlier export
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "models"))
-      if (entry.path().extension() == ".pcd") std::filesystem::remove(entry.path());
+  if (fs::exists(folder / kGraph))  // left by an earlier export
+    for (const auto& entry : fs::directory_iterator(folder / "models"))
+      if (entry.path().extension() == ".pcd") fs::remove(entry.path());
   std::set<std::string> taken;
   for (std::size_t i = 0; i < map.models.size(); ++i) {
     const std::string name = fileName(map.models[i].name, taken);

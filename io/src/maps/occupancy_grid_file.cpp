@@ -13,8 +13,6 @@
 
 namespace facetloc {
 namespace {
-
-namespace fs = std::filesystem;
 using internal::YamlEntry;
 
 constexpr std::uint8_t kUnknownGrey = 205;  // as map_saver writes cells
@@ -99,8 +97,7 @@ private:
     const fs::path path = source_.parent_path() / name;
     // map_saver writes the path on the machine that made the plan.
     const fs::path moved = source_.parent_path() / name.substr(name.find_last_of("/\\") + 1);
-    std::error_code ignored;
-    if (fs::exists(path, ignored) || !fs::is_regular_file(moved, ignored)) return path;
+    if (files::isThere(path) || !files::isFile(moved)) return path;
     findings_.push_back({"plan.image", Severity::note,
                          fmt::format("'image: {}' is not there: {} beside {} is taken", name,
                                      moved.filename().string(), source_.filename().string()),
@@ -220,8 +217,7 @@ void writeOccupancyGrid(const fs::path& yaml, const OccupancyGrid& grid) {
 fs::path occupancyGridPath(const fs::path& name) {
   const std::string extension = text::lowerExtension(name);
   if (extension == ".yaml" || extension == ".yml") return name;
-  std::error_code error;
-  if (!name.has_filename() || fs::is_directory(name, error)) return name / "map.yaml";
+  if (!name.has_filename() || files::isFolder(name)) return name / "map.yaml";
   return fs::path(name) += ".yaml";
 }
 

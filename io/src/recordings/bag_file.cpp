@@ -16,8 +16,6 @@
 namespace facetloc::internal {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr std::uint8_t kMessage = 2, kHeader = 3, kChunk = 5, kConnection = 7;  // types of records
 

@@ -255,9 +255,7 @@ CameraFile cameraOfKeys(CameraKeys keys, const std::string& name) {
   return Parser(name).parse(keys);
 }
 
-CameraFile readCameraFile(const std::filesystem::path& path) {
-  return Parser(path.string()).parse(files::readText(path));
-}
+CameraFile readCameraFile(const fs::path& path) { return Parser(path.string()).parse(files::readText(path)); }
 
 CameraKeys keysOfCamera(const CameraFile& file) {
   const Camera& camera = file.camera;
@@ -287,7 +285,7 @@ CameraKeys keysOfCamera(const CameraFile& file) {
   return keys;
 }
 
-void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera) {
+void writeCameraFile(const fs::path& path, const CameraFile& camera) {
   const CameraKeys keys = keysOfCamera(camera);
   writeTextAtomically(path, [&](std::ostream& out) {
     for (const auto& [key, value] : keys) out << key << "=" << value << "\n";

@@ -21,11 +21,8 @@
 #include <fmt/format.h>
 #include <map>
 #include <numeric>
-#include <system_error>
 
 namespace facetloc {
-
-namespace fs = std::filesystem;
 
 namespace internal {
 namespace {
@@ -62,21 +59,17 @@ class SequenceReader {
 public:
   /** Lists the images. Throws IoError if it is no recording. */
   SequenceReader(const fs::path& path, const RecordingHints& hints) : path_(path), hints_(hints) {
-    std::error_code ignored;
     files::requireNoPointer(path);
-    if (!fs::exists(path, ignored)) throw IoError(path.string(), "does not exist");
+    if (!files::isThere(path)) throw IoError(path.string(), "does not exist");
     listImages();
     requireUniqueNames(layout_.frames, path);
   }
 
   /** Throws IoError if there are no images, and with advice if nothing says which camera took PNGs. */
   DepthSequence read() const {
-    if (layout_.frames.empty()) {
-      std::error_code ignored;
-      const bool is_folder = fs::is_directory(path_, ignored);
+    if (layout_.frames.empty())
       throw IoError(path_.string(), fmt::format("has no depth images ({}){}", imageEndings(),
-                                                is_folder ? "; " + foundIn(path_) : ""));
-    }
+                                                files::isFolder(path_) ? "; " + foundIn(path_) : ""));
     if (hints_.depth_scale > 0 && !needsCamera())
       throw IoError(path_.string(), "has no PNG images, so that a depth scale does not apply");
     const bool of_segments = hasSegments();
@@ -101,10 +94,9 @@ public:
 
 private:
   void listImages() {
-    std::error_code ignored;
     const bool is_container = isContainer(path_);
-    const bool is_folder = fs::is_directory(path_, ignored) && !is_container;
-    asked_ = fs::is_directory(path_, ignored) ? fs::absolute(path_) : fs::absolute(path_).parent_path();
+    const bool is_folder = files::isFolder(path_) && !is_container;
+    asked_ = files::isFolder(path_) ? fs::absolute(path_) : fs::absolute(path_).parent_path();
     const fs::path images = is_folder ? folderOfImages(path_) : path_;
     const bool has_depth = is_folder && images != path_;
     beside_ = placesBeside(has_depth ? images : asked_, asked_);
@@ -179,8 +171,7 @@ private:
   }
 
   std::optional<RecordedCamera> camera() const {
-    std::error_code ignored;
-    const bool is_file = fs::is_regular_file(hints_.camera, ignored);
+    const bool is_file = files::isFile(hints_.camera);
     std::optional<RecordedCamera> camera;
     const bool of_map = is_file && isMapFile(hints_.camera);
     if (is_file && !of_map)
@@ -201,10 +192,10 @@ private:
     return camera;
   }
 
-  std::filesystem::path path_, asked_;
+  fs::path path_, asked_;
   RecordingHints hints_;
-  std::vector<std::filesystem::path> beside_;  // where files that belong to it can be
-  std::vector<std::filesystem::path> within_;  // those of these that are its own
+  std::vector<fs::path> beside_;  // where files that belong to it can be
+  std::vector<fs::path> within_;  // those of these that are its own
   RecordingLayout layout_;
   std::shared_ptr<const ImageContainer> container_;
 };
@@ -344,11 +335,9 @@ std::vector<Segment> DepthSequence::segments(std::size_t index) const {
   return readSegments(frames_.at(index).path);
 }
 
-DepthImage readDepthPng(const std::filesystem::path& path, const CameraFile& file) {
-  return depthOf(path, file);
-}
+DepthImage readDepthPng(const fs::path& path, const CameraFile& file) { return depthOf(path, file); }
 
-void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, double depth_scale) {
+void writeDepthPng(const fs::path& path, const DepthImage& image, double depth_scale) {
   Raster<std::uint16_t> raster{image.camera.width, image.camera.height, 1, {}};
   raster.data.resize(image.depth.size());
   std::transform(image.depth.begin(), image.depth.end(), raster.data.begin(), [&](float z) {
@@ -358,7 +347,7 @@ void writeDepthPng(const std::filesystem::path& path, const DepthImage& image, d
   writePng(path, raster);
 }
 
-DepthImage readDepthPcd(const std::filesystem::path& path, const std::optional<Intrinsics>& camera) {
+DepthImage readDepthPcd(const fs::path& path, const std::optional<Intrinsics>& camera) {
   return internal::imageOfPcd(path, camera).image;
 }
 

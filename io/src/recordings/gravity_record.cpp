@@ -138,11 +138,9 @@ std::optional<Gravity> GravityRecord::at(double stamp, double tolerance) const {
   return nearest->gravity;
 }
 
-bool holdsGravity(const std::filesystem::path& path) {
-  return columnsOfFile(files::readText(path)).has_value();
-}
+bool holdsGravity(const fs::path& path) { return columnsOfFile(files::readText(path)).has_value(); }
 
-GravityRecord readGravity(const std::filesystem::path& path, double std) {
+GravityRecord readGravity(const fs::path& path, double std) {
   const std::string content = files::readText(path);
   const auto columns = columnsOfFile(content);
   if (!columns)
@@ -166,7 +164,7 @@ GravityRecord gravityOf(const Trajectory& poses, const Eigen::Vector3d& up_w, do
   return GravityRecord(std::move(samples));
 }
 
-void writeGravity(const std::filesystem::path& path, const std::vector<StampedGravity>& samples) {
+void writeGravity(const fs::path& path, const std::vector<StampedGravity>& samples) {
   constexpr int kStampDigits = 6;
   writeTextAtomically(path, [&](std::ostream& out) {
     out << "# timestamp gx gy gz\n";

@@ -8,12 +8,9 @@
 #include <facetloc/io/oni_file.h>
 
 #include <fmt/format.h>
-#include <system_error>
 
 namespace facetloc::internal {
 namespace {
-
-namespace fs = std::filesystem;
 
 class OniContainer : public ImageContainer {
 public:
@@ -49,9 +46,8 @@ bool isRtabmap(const fs::path& path) { return lowerExtension(path) == ".db"; }
 }  // namespace
 
 bool isContainer(const fs::path& path) {
-  std::error_code ignored;
-  const bool is_file = !fs::is_directory(path, ignored);
-  return (is_file && (lowerExtension(path) == ".oni" || isRtabmap(path))) || isMessageRecording(path);
+  return (!files::isFolder(path) && (lowerExtension(path) == ".oni" || isRtabmap(path))) ||
+         isMessageRecording(path);
 }
 
 std::shared_ptr<const ImageContainer> openContainer(const fs::path& path, const std::string& topic) {

@@ -24,8 +24,6 @@
 namespace facetloc::internal {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kDepth = "depth";  // part of the name of an image or of its folder
 constexpr const char* kOthers[] = {"conf", "confidence", "color",   "colour", "rgb",  "mask", "label",
                                    "seg",  "normal",     "normals", "ir",     "gray", "grey", "amplitude"};
@@ -180,8 +178,7 @@ private:
   /** Path of an entry, whose backslashes stand for slashes unless a file has such a name. */
   fs::path pathOf(const std::string& entry) const {
     const fs::path path = list_.parent_path() / fs::path(entry);  // an absolute entry stays as it is
-    std::error_code ignored;
-    if (entry.find('\\') == std::string::npos || fs::exists(path, ignored)) return path;
+    if (entry.find('\\') == std::string::npos || files::isThere(path)) return path;
     return list_.parent_path() / fs::path(asPath(entry));
   }
 
@@ -302,8 +299,7 @@ std::vector<ListedImage> imagesOfFolder(const fs::path& folder) {
 }
 
 fs::path folderOfImages(const fs::path& recording) {
-  std::error_code ignored;
-  if (fs::is_directory(recording / kDepth, ignored)) return recording / kDepth;
+  if (files::isFolder(recording / kDepth)) return recording / kDepth;
   const auto own = imagesOfFolder(recording);
   if (std::any_of(own.begin(), own.end(), [](const ListedImage& image) { return isDepthImage(image.path); }))
     return recording;

@@ -5,12 +5,9 @@
 #include "recordings/image_list.h"
 
 #include <algorithm>
-#include <system_error>
 
 namespace facetloc::internal {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kMetadata = "metadata.yaml";
 
@@ -33,9 +30,8 @@ std::vector<fs::path> filesIn(const fs::path& folder) {
 }
 
 bool isRosbag2(const fs::path& folder) {
-  std::error_code ignored;
   const fs::path metadata = folder / kMetadata;
-  return fs::is_regular_file(metadata, ignored) &&
+  return files::isFile(metadata) &&
          files::readText(metadata).find("rosbag2_bagfile_information") != std::string::npos;
 }
 
@@ -52,8 +48,7 @@ std::vector<fs::path> listedIn(const fs::path& metadata) {
 /** The file itself; of a folder, those that its metadata.yaml lists, or else all that are there, with a
  * remark. */
 std::vector<fs::path> messageFilesOf(const fs::path& path, std::string& remark) {
-  std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return {path};
+  if (!files::isFolder(path)) return {path};
   const bool has_list = isRosbag2(path);
   const std::vector<fs::path> listed = has_list ? listedIn(path / kMetadata) : std::vector<fs::path>();
   std::string missing;
@@ -62,7 +57,7 @@ std::vector<fs::path> messageFilesOf(const fs::path& path, std::string& remark) 
       throw IoError(file.string(),
                     "is listed in metadata.yaml and of a kind that is not read; a file that is "
                     "compressed as a whole has to be unpacked first: zstd -d");
-    if (!fs::exists(file, ignored)) missing += (missing.empty() ? "" : ", ") + file.filename().string();
+    if (!files::isThere(file)) missing += (missing.empty() ? "" : ", ") + file.filename().string();
   }
   if (!listed.empty() && missing.empty()) return listed;
   std::vector<fs::path> there = filesIn(path);
@@ -114,15 +109,13 @@ std::unique_ptr<const MessageFile> openMessageFile(const fs::path& path) {
 }
 
 bool isMessageRecording(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return kindOf(path) != nullptr;
+  if (!files::isFolder(path)) return kindOf(path) != nullptr;
   if (isRosbag2(path)) return true;
   return !filesIn(path).empty() && imagesOfFolder(folderOfImages(path)).empty();
 }
 
-MessageLog::MessageLog(const std::filesystem::path& path) : path_(path) {
-  for (const std::filesystem::path& file : messageFilesOf(path, remark_))
-    files_.push_back(openMessageFile(file));
+MessageLog::MessageLog(const fs::path& path) : path_(path) {
+  for (const fs::path& file : messageFilesOf(path, remark_)) files_.push_back(openMessageFile(file));
   if (files_.empty())
     throw IoError(path.string(), "has no recording of messages (.bag, .db3 or .mcap) in it" +
                                      (remark_.empty() ? "" : "; " + remark_));

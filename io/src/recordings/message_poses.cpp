@@ -202,7 +202,7 @@ StampedPose poseOf(double stamp, const std::array<double, 7>& columns, const std
   return {stamp, fromColumns(columns, kTolerance)};
 }
 
-ReadPoses readMessageOdometry(const std::filesystem::path& path, const std::string& camera_frame) {
+ReadPoses readMessageOdometry(const fs::path& path, const std::string& camera_frame) {
   const MessageLog log(path);
   const auto topics = log.topicsOf(OdometryMessage::kType);
   const FrameTree tree(log);

@@ -18,8 +18,6 @@
 namespace facetloc::internal {
 namespace {
 
-namespace fs = std::filesystem;
-
 /** Images whose camera is looked for. */
 struct ImagesOfTopic {
   std::string topic;                    ///< topic of the plain images

@@ -138,7 +138,7 @@ private:
 };
 
 std::vector<std::uint8_t> readBytes(std::FILE* file, std::uint64_t offset, std::size_t size,
-                                    const std::filesystem::path& path) {
+                                    const fs::path& path) {
   std::vector<std::uint8_t> bytes(size);
   if (fseeko(file, static_cast<off_t>(offset), SEEK_SET) != 0 ||
       std::fread(bytes.data(), 1, size, file) != size)
@@ -151,12 +151,12 @@ std::vector<std::uint8_t> readBytes(std::FILE* file, std::uint64_t offset, std::
 /** Walks through the records. */
 class OniFileIndexer {
 public:
-  explicit OniFileIndexer(const std::filesystem::path& path) : path_(path) { out_.path_ = path; }
+  explicit OniFileIndexer(const fs::path& path) : path_(path) { out_.path_ = path; }
 
   OniFile index() {
     files::requireRegularFile(path_);
     file_ = files::open(path_);
-    size_ = std::filesystem::file_size(path_);
+    size_ = fs::file_size(path_);
     readFileHeader();
     while (!out_.finished_ && !ends_early_) readRecord();
     check();
@@ -301,7 +301,7 @@ private:
     camera.cy = (camera.height - 1) / 2.0;
   }
 
-  std::filesystem::path path_;
+  fs::path path_;
   files::FilePtr file_;
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;
@@ -312,7 +312,7 @@ private:
   OniFile out_;
 };
 
-OniFile OniFile::open(const std::filesystem::path& path) { return OniFileIndexer(path).index(); }
+OniFile OniFile::open(const fs::path& path) { return OniFileIndexer(path).index(); }
 
 std::vector<std::uint16_t> OniFile::readRaw(std::size_t index) const {
   const Frame& frame = frames_.at(index);

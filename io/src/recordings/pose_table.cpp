@@ -382,7 +382,7 @@ std::optional<Eigen::Isometry3d> poseOfColumns(const PoseColumns& columns) {
   return fromColumns(columns, kTolerance);
 }
 
-std::vector<double> numbersOf(std::string_view content, const std::filesystem::path& path) {
+std::vector<double> numbersOf(std::string_view content, const fs::path& path) {
   std::vector<double> numbers;
   for (const std::string_view word : text::words(content)) {
     const auto number = text::to<double>(word);
@@ -396,8 +396,6 @@ PoseTable parsePoseTable(std::string_view content, const std::string& source) {
   return TableParser(source).parse(content);
 }
 
-PoseTable readPoseTable(const std::filesystem::path& path) {
-  return parsePoseTable(files::readText(path), path.string());
-}
+PoseTable readPoseTable(const fs::path& path) { return parsePoseTable(files::readText(path), path.string()); }
 
 }  // namespace facetloc::internal

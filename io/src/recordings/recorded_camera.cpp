@@ -16,8 +16,6 @@
 namespace facetloc::internal {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kCameraFile = "camera.ini";
 constexpr const char* kMatrices[] = {"camera-intrinsics.txt", "intrinsic/intrinsic_depth.txt"};
 constexpr double kMillimetres = 1000;  // PNG values per metre

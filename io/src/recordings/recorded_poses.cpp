@@ -35,7 +35,7 @@ PoseReading PoseReading::of(std::string_view words) {
   return reading;
 }
 
-Trajectory readTrajectory(const std::filesystem::path& path, std::string* remark) {
+Trajectory readTrajectory(const fs::path& path, std::string* remark) {
   internal::ReadPoses read = internal::stampedPoses(internal::readPoseTable(path), path);
   if (remark) *remark = std::move(read.remark);
   return std::move(read.poses);
@@ -45,8 +45,6 @@ Trajectory readTrajectory(const std::filesystem::path& path, std::string* remark
 
 namespace facetloc::internal {
 namespace {
-
-namespace fs = std::filesystem;
 
 Trajectory changed(const Trajectory& poses, const std::function<void(StampedPose&)>& change) {
   std::vector<StampedPose> all = poses.poses();

@@ -15,8 +15,6 @@
 namespace facetloc::internal {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kTrajectory = "groundtruth.txt";
 constexpr const char* kLists[] = {"depth.txt",       "associations.txt", "associated.txt",
                                   "association.txt", "associate.txt",    "depth.csv"};

@@ -13,8 +13,6 @@
 namespace facetloc {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kName = "rig.ini";
 constexpr double kLargestRotationDeg = 20, kLargestTranslation = 1;  // errors of a mounting [deg, m]
 
@@ -75,9 +73,8 @@ PoseWithCovariance RigFile::between(const CameraMounting& first, const CameraMou
 }
 
 std::optional<RigFile> readRigFile(const fs::path& path) {
-  std::error_code error;
-  const fs::path file = fs::is_directory(path, error) ? path / kName : path;
-  if (file.filename() != kName || !fs::exists(file, error)) return {};
+  const fs::path file = files::isFolder(path) ? path / kName : path;
+  if (file.filename() != kName || !files::isThere(file)) return {};
   return Parser(file).parse(files::readText(file));
 }
 

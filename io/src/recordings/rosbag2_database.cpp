@@ -13,8 +13,6 @@
 namespace facetloc::internal {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kNanosecond = 1e-9;
 
 class Rosbag2Database : public MessageFile {

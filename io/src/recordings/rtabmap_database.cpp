@@ -140,8 +140,6 @@ StoredDepth readRtabmapDepth(ByteView bytes, const std::string& name) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kMillimetres = 1000;  // values per metre
 
 /** A node of the graph with a depth image. */

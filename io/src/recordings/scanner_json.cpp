@@ -19,8 +19,6 @@
 namespace facetloc::internal {
 namespace {
 
-namespace fs = std::filesystem;
-
 Json::Value jsonIn(const fs::path& file) try {
   std::istringstream in(files::readText(file));
   Json::Value value;

@@ -16,8 +16,6 @@
 namespace facetloc {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kHypotheses = "hypotheses.csv";
 constexpr const char* kTiming = "timing.csv";
 constexpr const char* kPoses = "poses_tum.txt";
@@ -387,10 +385,7 @@ void ResultsWriter::append(const FrameResult& frame) {
   timing_.append(text.timing);  // with which the frame counts
 }
 
-bool isResultsFolder(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::exists(folder / kHypotheses, ignored);
-}
+bool isResultsFolder(const fs::path& folder) { return files::isThere(folder / kHypotheses); }
 
 std::vector<ResultRow> readHypotheses(const fs::path& folder, const Remark& remark) {
   const csv::Table table = tableOf(folder / kHypotheses, remark);

@@ -35,11 +35,11 @@ void readField(const pcl::PCLPointField& field, const pcl::PCLPointCloud2& raw, 
 
 }  // namespace
 
-bool isSegmentFile(const std::filesystem::path& path) {
+bool isSegmentFile(const fs::path& path) {
   return internal::endsWith(path.filename().string(), kSegmentEnding);
 }
 
-std::vector<Segment> readSegments(const std::filesystem::path& path) {
+std::vector<Segment> readSegments(const fs::path& path) {
   constexpr std::size_t kMost = 65535;  // labels of an image
   const PcdHeader header(path, true);
   const std::size_t n = std::size_t(header.width) * header.height;
@@ -56,7 +56,7 @@ std::vector<Segment> readSegments(const std::filesystem::path& path) {
   return segments;
 }
 
-void writeSegments(const std::filesystem::path& path, const std::vector<Segment>& segments) {
+void writeSegments(const fs::path& path, const std::vector<Segment>& segments) {
   pcl::PointCloud<SegmentFrame> cloud = toCloud(segments);
   cloud.height = 1;
   pcl::PCLPointCloud2 fields;
@@ -64,7 +64,7 @@ void writeSegments(const std::filesystem::path& path, const std::vector<Segment>
   writePcd(path, fields);
 }
 
-void writeLabels(const std::filesystem::path& path, const LabelImage& labels) {
+void writeLabels(const fs::path& path, const LabelImage& labels) {
   writePng(path, Raster<std::uint16_t>{labels.width, labels.height, 1, labels.label});
 }
 
