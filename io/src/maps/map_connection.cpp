@@ -12,10 +12,7 @@
 
 namespace facetloc::map_connection {
 
-using sqlite::BadCell;
-using sqlite::Connection;
-using sqlite::Statement;
-using sqlite::Transaction;
+using namespace sqlite;
 
 namespace {
 

@@ -2,7 +2,6 @@
 #include "bytes/files.h"
 #include "images/depth_blob.h"
 #include "maps/map_reader.h"
-#include "maps/map_rows.h"
 #include "maps/map_schema.h"
 
 #include <facetloc/features/camera_presets.h>
@@ -22,10 +21,7 @@ namespace facetloc {
 namespace {
 using namespace map_connection;
 using namespace map_rows;
-using sqlite::BadCell;
-using sqlite::Connection;
-using sqlite::Statement;
-using sqlite::Transaction;
+using namespace sqlite;
 
 bool isReserved(const std::string& key) { return key == kFormatKey || key == kConventionsKey; }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "maps/map_reader.h"
 
-#include "maps/map_rows.h"
 #include "maps/map_schema.h"
 
 #include <facetloc/features/map_metadata.h>
@@ -15,14 +14,12 @@
 namespace facetloc {
 
 using namespace map_rows;
-using sqlite::BadCell;
-using sqlite::Connection;
-using sqlite::Statement;
+using namespace sqlite;
 
 std::string nameOf(int model, const std::string& name) { return fmt::format("model {} ('{}')", model, name); }
 
 /** Maps that were made before gravity could be measured lack its table. */
-bool hasGravity(sqlite::Connection& db) {
+bool hasGravity(Connection& db) {
   return Statement(db, "SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = 'gravity'").step();
 }
 
@@ -36,7 +33,7 @@ public:
    */
   enum class Views { keep, look_at, leave };
 
-  explicit MapReader(sqlite::Connection& db) : db_(db), snapshot_(db, "BEGIN") {}
+  explicit MapReader(Connection& db) : db_(db), snapshot_(db, "BEGIN") {}
 
   Map read(Views views) {
     readMeta();
@@ -193,7 +190,7 @@ private:
     });
   }
 
-  sqlite::Connection& db_;
+  Connection& db_;
   sqlite::Transaction snapshot_;  // for which others that write wait
   Map map_;
   std::vector<View> views_;  // views of the models

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "maps/map_rows.h"
-
 #include "images/depth_blob.h"
+#include "maps/map_reader.h"
 #include "results/pose_columns.h"
 
 #include <algorithm>
@@ -11,9 +10,7 @@
 
 namespace facetloc::map_rows {
 
-using sqlite::BadCell;
-using sqlite::Blob;
-using sqlite::Statement;
+using namespace sqlite;
 
 void require(bool condition, const char* fault) {
   if (!condition) throw BadCell(fault);

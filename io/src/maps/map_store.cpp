@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "maps/map_reader.h"
-#include "maps/map_rows.h"
 #include "maps/map_schema.h"
 
 #include <facetloc/io/map_database.h>
@@ -18,9 +17,7 @@ namespace facetloc {
 namespace {
 
 using namespace map_rows;
-using sqlite::BadCell;
-using sqlite::Connection;
-using sqlite::Statement;
+using namespace sqlite;
 
 /** The view of one local model as its file has it. */
 struct PackedView {

@@ -9,10 +9,7 @@
 
 namespace facetloc::place_index_parts {
 
-using sqlite::BadCell;
-using sqlite::Blob;
-using sqlite::Connection;
-using sqlite::Statement;
+using namespace sqlite;
 
 namespace {
 
