@@ -18,14 +18,6 @@ namespace facetloc::depth_blob {
  * little-endian, in a zlib stream. Neighbours are similar, so that the differences pack well. */
 inline constexpr const char* kEncoding = "u16le-left-difference-zlib";
 
-template <auto Free>
-struct Freeing {
-  template <typename T>
-  void operator()(T* object) const {
-    Free(object);
-  }
-};
-
 inline std::vector<std::uint8_t> encode(const std::vector<std::uint16_t>& values, int width) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(2 * values.size());
@@ -36,8 +28,8 @@ inline std::vector<std::uint8_t> encode(const std::vector<std::uint16_t>& values
     bytes.push_back(static_cast<std::uint8_t>(difference >> 8));
   }
   constexpr int kLevel = 6;
-  const std::unique_ptr<libdeflate_compressor, Freeing<libdeflate_free_compressor>> compressor(
-      libdeflate_alloc_compressor(kLevel));
+  const std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor(
+      libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
   if (!compressor) throw std::bad_alloc();
   std::vector<std::uint8_t> packed(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
   packed.resize(
@@ -45,18 +37,22 @@ inline std::vector<std::uint8_t> encode(const std::vector<std::uint16_t>& values
   return packed;
 }
 
+/** \brief Unpacks a zlib stream. \return is it sound, and exactly of that many bytes? */
+inline bool unpack(const std::uint8_t* packed, std::size_t packed_size, void* bytes, std::size_t size) {
+  const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> decompressor(
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  if (!decompressor) throw std::bad_alloc();
+  // Without a place for the size it insists on filling all of the buffer.
+  return libdeflate_zlib_decompress(decompressor.get(), packed, packed_size, bytes, size, nullptr) ==
+         LIBDEFLATE_SUCCESS;
+}
+
 /** \brief Empty unless the blob is sound and holds exactly width x height values. */
 inline std::optional<std::vector<std::uint16_t>> decode(const std::vector<std::uint8_t>& packed, int width,
                                                         int height) {
   const std::size_t count = std::size_t(width) * height;
   const std::unique_ptr<std::uint8_t[]> bytes(new std::uint8_t[2 * count]);
-  const std::unique_ptr<libdeflate_decompressor, Freeing<libdeflate_free_decompressor>> decompressor(
-      libdeflate_alloc_decompressor());
-  if (!decompressor) throw std::bad_alloc();
-  // Without a place for the size it insists on filling all of the buffer.
-  if (libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), bytes.get(), 2 * count,
-                                 nullptr) != LIBDEFLATE_SUCCESS)
-    return {};
+  if (!unpack(packed.data(), packed.size(), bytes.get(), 2 * count)) return {};
   std::vector<std::uint16_t> values(count);
   const std::uint8_t* from = bytes.get();
   std::uint16_t* to = values.data();

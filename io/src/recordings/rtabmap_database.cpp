@@ -2,6 +2,7 @@
 #include "bytes/files.h"
 #include "bytes/plausible.h"
 #include "bytes/sqlite.h"
+#include "images/depth_blob.h"
 #include "recordings/depth_messages.h"
 #include "recordings/image_container.h"
 #include "recordings/pose_table.h"
@@ -15,7 +16,6 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
-#include <libdeflate.h>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -47,10 +47,7 @@ std::vector<Number> unpacked(ByteView packed, const std::string& name) {
   const std::uint64_t n = std::uint64_t(std::max(sizes[0], 0)) * std::uint64_t(std::max(sizes[1], 0));
   if (n == 0 || n > kMostTimes * packed.size) throw IoError(name, "has a corrupt graph");
   std::vector<Number> numbers(n);
-  const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> zlib(
-      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
-  if (!zlib || libdeflate_zlib_decompress(zlib.get(), packed.data, packed.size - kSizes, numbers.data(),
-                                          n * sizeof(Number), nullptr) != LIBDEFLATE_SUCCESS)
+  if (!depth_blob::unpack(packed.data, packed.size - kSizes, numbers.data(), n * sizeof(Number)))
     throw IoError(name, "has a corrupt graph");
   return numbers;
 }
