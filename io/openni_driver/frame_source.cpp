@@ -6,7 +6,6 @@
 #include "bytes/files.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,6 @@
 #include "bytes/temporary_file.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 
 #include <array>
 #include <cerrno>

@@ -6,7 +6,6 @@
 #include "clouds/point_formats.h"
 
 #include <facetloc/features/organized_cloud.h>
-#include <facetloc/io/error.h>
 
 #include <Eigen/Geometry>
 #include <pcl/point_cloud.h>

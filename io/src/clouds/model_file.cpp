@@ -4,7 +4,6 @@
 #include "clouds/point_formats.h"
 
 #include <facetloc/io/cloud_file.h>
-#include <facetloc/io/error.h>
 
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>

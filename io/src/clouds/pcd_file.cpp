@@ -4,7 +4,6 @@
 #include "clouds/point_formats.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 
 #include <pcl/common/io.h>
 

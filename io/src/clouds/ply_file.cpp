@@ -2,8 +2,6 @@
 #include "bytes/files.h"
 #include "clouds/point_formats.h"
 
-#include <facetloc/io/error.h>
-
 #include <pcl/common/io.h>
 #include <pcl/conversions.h>
 #include <pcl/point_types.h>

@@ -3,7 +3,6 @@
 #include "bytes/temporary_file.h"
 #include "devices/openni_handle.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
 
 #include <OpenNI.h>

@@ -3,7 +3,6 @@
 #include "bytes/files.h"
 #include "bytes/plausible.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/pipe_frames.h>
 
 #include <algorithm>

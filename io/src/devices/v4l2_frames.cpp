@@ -5,7 +5,6 @@
 #include "bytes/temporary_file.h"
 
 #include <facetloc/features/camera_presets.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/v4l2_frames.h>
 
 #include <algorithm>

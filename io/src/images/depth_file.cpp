@@ -5,7 +5,6 @@
 #include "bytes/files.h"
 
 #include <facetloc/features/depth_image.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/pclzf.h>
 
 namespace facetloc {

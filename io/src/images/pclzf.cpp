@@ -3,7 +3,6 @@
 #include "bytes/files.h"
 #include "bytes/lzf.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/pclzf.h>
 
 #include <boost/property_tree/ptree.hpp>

@@ -3,7 +3,6 @@
 #include "images/depth_file.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 
 #include <png.h>

@@ -5,7 +5,6 @@
 #include "images/depth_file.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cctype>

@@ -2,8 +2,6 @@
 #include "bytes/files.h"
 #include "images/depth_file.h"
 
-#include <facetloc/io/error.h>
-
 #include <cstdarg>
 #include <cstdio>
 #include <fmt/format.h>

@@ -8,7 +8,6 @@
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 
 #include <array>

@@ -6,7 +6,6 @@
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/features/map_parts.h>
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/segment_file.h>
 #include <facetloc/io/trajectory.h>

@@ -5,7 +5,6 @@
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/camera_file.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,6 @@
 #include "recordings/recording_layout.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/segment_file.h>
 

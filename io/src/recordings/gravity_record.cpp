@@ -6,7 +6,6 @@
 #include "recordings/pose_table.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/gravity_record.h>
 
 #include <algorithm>

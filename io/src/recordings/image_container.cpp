@@ -4,7 +4,6 @@
 #include "recordings/image_list.h"
 #include "recordings/message_file.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
 
 #include <fmt/format.h>

@@ -4,8 +4,6 @@
 #include "recordings/chunked_file.h"
 #include "recordings/ros_messages.h"
 
-#include <facetloc/io/error.h>
-
 #include <algorithm>
 #include <cstring>
 #include <fmt/format.h>

@@ -5,8 +5,6 @@
 #include "recordings/message_file.h"
 #include "results/pose_columns.h"
 
-#include <facetloc/io/error.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

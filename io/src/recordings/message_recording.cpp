@@ -7,7 +7,6 @@
 #include "recordings/recording_layout.h"
 
 #include <facetloc/features/camera_presets.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cstring>

@@ -3,7 +3,6 @@
 #include "bytes/files.h"
 #include "recordings/ros_messages.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/oni_file.h>
 
 #include <algorithm>

@@ -6,8 +6,6 @@
 #include "bytes/plausible.h"
 #include "results/pose_columns.h"
 
-#include <facetloc/io/error.h>
-
 #include <Eigen/LU>
 #include <Eigen/SVD>
 

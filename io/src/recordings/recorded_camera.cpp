@@ -5,7 +5,6 @@
 #include "recordings/recording_layout.h"
 
 #include <facetloc/features/camera_presets.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/pclzf.h>
 
 #include <algorithm>

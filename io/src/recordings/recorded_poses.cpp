@@ -4,8 +4,6 @@
 #include "bytes/files.h"
 #include "recordings/pose_table.h"
 
-#include <facetloc/io/error.h>
-
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>

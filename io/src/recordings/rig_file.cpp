@@ -2,7 +2,6 @@
 #include "base/text.h"
 #include "bytes/files.h"
 
-#include <facetloc/io/error.h>
 #include <facetloc/io/rig_file.h>
 
 #include <fmt/format.h>

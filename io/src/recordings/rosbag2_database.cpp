@@ -4,8 +4,6 @@
 #include "recordings/message_file.h"
 #include "recordings/ros_messages.h"
 
-#include <facetloc/io/error.h>
-
 #include <fmt/format.h>
 #include <map>
 #include <mutex>

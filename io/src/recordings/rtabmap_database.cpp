@@ -10,7 +10,6 @@
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/depth_image.h>
-#include <facetloc/io/error.h>
 
 #include <algorithm>
 #include <cmath>

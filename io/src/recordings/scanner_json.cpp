@@ -6,8 +6,6 @@
 #include "recordings/name_numbers.h"
 #include "recordings/pose_table.h"
 
-#include <facetloc/io/error.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

@@ -2,8 +2,6 @@
 #include "base/text.h"
 #include "recordings/message_file.h"
 
-#include <facetloc/io/error.h>
-
 #include <algorithm>
 #include <bzlib.h>
 #include <cstring>

@@ -3,7 +3,6 @@
 #include "clouds/point_formats.h"
 
 #include <facetloc/features/segment_frame.h>
-#include <facetloc/io/error.h>
 #include <facetloc/io/png.h>
 #include <facetloc/io/segment_file.h>
 
