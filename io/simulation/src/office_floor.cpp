@@ -35,7 +35,7 @@ public:
     drawSizes();
     buildShell();
     for (const Side& side : sides()) furnishWall(side);
-    buildRooms();
+    for (int room = 0; room < kRooms; ++room) buildRoom(room);
     buildCeiling();
     buildRoutes();
     return std::move(place_);
@@ -130,20 +130,13 @@ private:
     return {sx[k % 4] * h.x(), sy[k % 4] * h.y()};
   }
 
-  /** Points in front of a room's door, at this offset from the middle of the corridor, and inside. */
-  Vector2d beforeDoor(int room, double offset) const {
-    return roomFrame(room).relative(-(kRecess + corridor_ / 2 - offset), 0).place;
-  }
-
-  Eigen::Vector2d insideRoom(int room, double depth, double aside = 0) const {
-    return roomFrame(room).relative(depth, aside).place;
-  }
-
-  /** Into a room, a look around, and out again. */
-  void visit(Route& route, int room, double offset, double depth, double aside, double look_deg) const {
-    route.push_back({beforeDoor(room, offset)});
-    route.push_back({insideRoom(room, depth, aside), look_deg});
-    route.push_back({beforeDoor(room, offset)});
+  /** Into a room, a look around, and out again, from this offset to the middle of the corridor. */
+  void visit(Route& route, int room, double offset, const Vector2d& inside, double look_deg) const {
+    const Spot frame = roomFrame(room);
+    const Waypoint before_door{frame.relative(-(kRecess + corridor_ / 2 - offset), 0).place};
+    route.push_back(before_door);
+    route.push_back({frame.relative(inside.x(), inside.y()).place, look_deg});
+    route.push_back(before_door);
   }
 
   void buildRoutes() {
@@ -169,7 +162,7 @@ private:
       route.push_back({cornerOf(corner, offset)});
       for (int room = 0; room < kRooms; ++room)
         if (sideOf(room) == corner && std::count(rooms.begin(), rooms.end(), room) > 0)
-          visit(route, room, offset, inside.x(), inside.y(), look_deg);
+          visit(route, room, offset, inside, look_deg);
     }
   }
 
@@ -231,11 +224,7 @@ private:
                        {0, 0, kCeiling / 2});
   }
 
-  /** The rooms outside the long sides: one is mapped, one is entered only later, two are seen in passing. */
-  void buildRooms() {
-    for (int room = 0; room < kRooms; ++room) buildRoom(room);
-  }
-
+  /** A room outside a long side: one is mapped, one is entered only later, two are seen in passing. */
   void buildRoom(int k) {
     const Room& room = rooms_[k];
     const Spot door = roomFrame(k);

@@ -142,7 +142,6 @@ private:
   }
 
   void note(const Fields& fields, std::size_t chunk, std::uint64_t at) {
-    constexpr double kNanosecond = 1e-9;
     const auto topic = topic_of_.find(fields.number<std::uint32_t>("conn"));
     const auto time = fields.number<std::uint64_t>("time");  // seconds, and nanoseconds in its upper half
     const double written = static_cast<std::uint32_t>(time) + kNanosecond * static_cast<double>(time >> 32);

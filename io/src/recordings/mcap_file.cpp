@@ -15,7 +15,6 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kNanosecond = 1e-9;
 constexpr std::string_view kMagic = "\x89MCAP0\r\n";
 constexpr std::size_t kRecordHead = 9;    // opcode, size of the rest
 constexpr std::size_t kMessageHead = 22;  // channel, number, two times

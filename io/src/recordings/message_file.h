@@ -119,12 +119,9 @@ public:
                     fmt::format("a message of {} ({}) {}", topic.name, topic.type, e.what()));
     }
   }
-  template <typename Message, typename Use>
-  void readAll(const std::string& topic, const Use& use) const {
-    for (const LoggedMessage& logged : messages(topic, Message::kType)) read<Message>(logged, use);
-  }
-  /** \brief As readAll(), but messages that cannot be read or used are left out. \return a remark about them:
-   * a sentence without full stop, or nothing. \param use may throw IoError, and has done nothing then
+  /** \brief Calls use(message) with all messages of a topic, but for those that cannot be read or used.
+   * \return a remark about them: a sentence without full stop, or nothing. \param use may throw IoError, and
+   * has done nothing then
    */
   template <typename Message, typename Use>
   std::string readSound(const std::string& topic, const Use& use) const {

@@ -142,12 +142,11 @@ std::optional<Imu> turned(Imu imu, const std::string& camera_frame, const FrameT
 /** Accelerations of one IMU, and their sums up to each. */
 class Accelerations {
 public:
-  void add(double stamp, const Eigen::Vector3d& a) { samples_.emplace_back(stamp, a); }
+  using Samples = std::vector<std::pair<double, Eigen::Vector3d>>;
 
-  void finish() {
+  explicit Accelerations(Samples samples) : samples_(std::move(samples)) {
     std::stable_sort(samples_.begin(), samples_.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    sums_.assign(1, Eigen::Vector3d::Zero());
     for (const auto& [stamp, a] : samples_) sums_.push_back(sums_.back() + a);
   }
 
@@ -166,8 +165,8 @@ public:
   }
 
 private:
-  std::vector<std::pair<double, Eigen::Vector3d>> samples_;
-  std::vector<Eigen::Vector3d> sums_;
+  Samples samples_;
+  std::vector<Eigen::Vector3d> sums_{Eigen::Vector3d::Zero()};
 };
 
 std::vector<StampedGravity> gravityOf(const Accelerations& accelerations, const std::vector<double>& stamps,
@@ -250,12 +249,12 @@ ReadGravity readImuGravity(const MessageLog& log, const std::string& camera_fram
             fmt::format("{}: its IMU is not used, since nothing says how it is turned beside the camera "
                         "(frame {})",
                         log.path().string(), camera_frame.empty() ? "without a name" : camera_frame)};
-  Accelerations accelerations;
-  log.readAll<ImuMessage>(best->topic, [&](const ImuMessage& message) {
-    if (message.has_acceleration) accelerations.add(message.header.stamp, message.acceleration);
-  });
-  accelerations.finish();
-  auto samples = gravityOf(accelerations, stamps, best->R_c_i, std);
+  Accelerations::Samples measured;
+  for (const LoggedMessage& logged : log.messages(best->topic, ImuMessage::kType))
+    log.read<ImuMessage>(logged, [&measured](const ImuMessage& message) {
+      if (message.has_acceleration) measured.emplace_back(message.header.stamp, message.acceleration);
+    });
+  auto samples = gravityOf(Accelerations(std::move(measured)), stamps, best->R_c_i, std);
   if (samples.empty())
     return {{},
             fmt::format("{}: {} has no gravity at the time of any image", log.path().string(), best->topic)};

@@ -59,7 +59,6 @@ std::vector<double> MessageReader::reals() {
 }
 
 MessageHeader readHeader(MessageReader& message) {
-  constexpr double kNanosecond = 1e-9;
   MessageHeader header;
   if (message.format() == WireFormat::ros1) {
     message.skip<std::uint32_t>(1);  // the counter
@@ -117,7 +116,7 @@ CameraInfoMessage CameraInfoMessage::ofImage() const {
 }
 
 OdometryMessage OdometryMessage::read(MessageReader& message) {
-  OdometryMessage odometry{readHeader(message), message.text(), message.reals<7>()};
+  OdometryMessage odometry{{readHeader(message), message.text(), message.reals<7>()}};
   message.skip<double>(36 + 6 + 36);  // covariances and twist, which a message that is cut off lacks
   return odometry;
 }

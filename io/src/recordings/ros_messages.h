@@ -20,6 +20,7 @@
 namespace facetloc::internal {
 
 using Bytes = std::vector<std::uint8_t>;
+constexpr double kNanosecond = 1e-9;  ///< [s]
 
 /** \brief Bytes that somebody else owns. */
 struct ByteView {
@@ -155,20 +156,16 @@ struct CameraInfoMessage {
   CameraInfoMessage ofImage() const;
 };
 
-/** \brief nav_msgs/Odometry, without covariances and velocities. */
-struct OdometryMessage {
-  static constexpr const char* kType = "nav_msgs/Odometry";
-  MessageHeader header;
-  std::string child_frame;
-  std::array<double, 7> pose{};  ///< tx ty tz qx qy qz qw of the child frame in the frame of the header
-  static OdometryMessage read(MessageReader& message);
-};
-
 /** \brief geometry_msgs/TransformStamped. */
 struct TransformMessage {
   MessageHeader header;
   std::string child_frame;
   std::array<double, 7> pose{};  ///< tx ty tz qx qy qz qw of the child frame in the frame of the header
+};
+/** \brief nav_msgs/Odometry, without covariances and velocities. */
+struct OdometryMessage : TransformMessage {
+  static constexpr const char* kType = "nav_msgs/Odometry";
+  static OdometryMessage read(MessageReader& message);
 };
 /** \brief tf2_msgs/TFMessage. */
 struct TransformsMessage {

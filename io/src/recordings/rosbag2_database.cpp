@@ -11,8 +11,6 @@
 namespace facetloc::internal {
 namespace {
 
-constexpr double kNanosecond = 1e-9;
-
 class Rosbag2Database : public MessageFile {
 public:
   explicit Rosbag2Database(const fs::path& path) : MessageFile(path), db_(path, SQLITE_OPEN_READONLY) {
