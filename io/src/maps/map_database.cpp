@@ -33,21 +33,18 @@ void describing(const Connection& db, const std::string& thing, const Work& work
 }
 
 void insertMeta(Connection& db, const std::string& key, const std::string& value) {
-  Statement statement(db, "INSERT OR REPLACE INTO meta(key, value) VALUES(?, ?)");
-  (statement << key << value).run();
+  (Statement(db, "INSERT OR REPLACE INTO meta(key, value) VALUES(?, ?)") << key << value).run();
 }
 
 void insertCamera(Connection& db, const Camera& camera) {
   describing(db, "the camera", [&] { requireSound(camera); });
   db.execute("DELETE FROM camera");
-  Statement statement(db, schema::insert(schema::kCameraColumns, "camera"));
-  (statement << 0 << camera).run();
+  (Statement(db, schema::insert(schema::kCameraColumns, "camera")) << 0 << camera).run();
 }
 
 /** Removes findings about the map as it was. */
 void removeFindings(Connection& db) {
-  Statement sure(db, "DELETE FROM meta WHERE key = ?");
-  (sure << kSureKey).run();
+  (Statement(db, "DELETE FROM meta WHERE key = ?") << kSureKey).run();
   if (!Statement(db, "SELECT 1 FROM ambiguity").step()) return;  // and no score of any model
   db.execute("DELETE FROM ambiguity; UPDATE model SET lookalike_score = NULL");
 }
