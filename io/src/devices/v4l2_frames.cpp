@@ -14,7 +14,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
-#include <functional>
 #include <linux/videodev2.h>
 #include <poll.h>
 #include <sys/ioctl.h>
@@ -38,27 +37,36 @@ struct Z16Layout {
   }
 };
 
-/** A buffer that was filled; its bytes are there only while take() runs its callback. */
-struct Z16Buffer {
-  const unsigned char* bytes = nullptr;
-  std::size_t size = 0;
-  double stamp = 0;  ///< [s]
-};
-
 /** Who fills buffers of Z16: a driver of the kernel, or a file. */
 class Z16Buffers {
 public:
+  explicit Z16Buffers(const fs::path& path) : name_(path.string()) {}
   virtual ~Z16Buffers() = default;
   const Z16Layout& layout() const { return layout_; }
-  /** Hands on the next buffer. \return false if none was filled in time, or none will be. Throws
-   * IoError.
-   */
-  virtual bool take(FrameSource::Patience patience, const std::function<void(const Z16Buffer&)>& use) = 0;
+  /** Makes a frame of the next buffer. \return false if none was filled in time, or none will be. Throws
+   * IoError. */
+  virtual bool take(FrameSource::Patience patience, DepthFrame& frame) = 0;
   virtual bool atEnd() const = 0;
   virtual bool isLive() const = 0;
 
 protected:
+  /** Throws IoError for a buffer of less than layout_.bytes(). \param stamp [s] */
+  void unpack(const unsigned char* bytes, std::size_t size, double stamp, DepthFrame& frame) {
+    frame.number = ++frames_;
+    frame.stamp = stamp;
+    if (size < layout_.bytes())
+      throw IoError(name_,
+                    fmt::format("frame {}: is torn: it has {} bytes of {}", frames_, size, layout_.bytes()));
+    const auto width = static_cast<std::size_t>(layout_.width),
+               height = static_cast<std::size_t>(layout_.height);
+    frame.values.resize(width * height);
+    for (std::size_t row = 0; row < height; ++row)  // both little-endian
+      std::memcpy(frame.values.data() + row * width, bytes + row * layout_.bytes_per_row, 2 * width);
+  }
+
+  const std::string name_;
   Z16Layout layout_;
+  std::uint64_t frames_ = 0;
 };
 
 namespace {
@@ -85,7 +93,7 @@ class Z16Device : public Z16Buffers {
 public:
   /** \param width, height to ask the driver for; 0 = as it is set */
   Z16Device(const fs::path& path, int width, int height)
-      : name_(path.string()), file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
+      : Z16Buffers(path), file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
     if (!file_) throw IoError(name_, "cannot be opened: " + files::lastError());
     requireCapture();
     setFormat(width, height);
@@ -101,7 +109,7 @@ public:
   bool atEnd() const override { return false; }
   bool isLive() const override { return true; }
 
-  bool take(FrameSource::Patience patience, const std::function<void(const Z16Buffer&)>& use) override {
+  bool take(FrameSource::Patience patience, DepthFrame& frame) override {
     pollfd waits{file_.number(), POLLIN, 0};
     if (::poll(&waits, 1, static_cast<int>(patience.count())) <= 0) return false;
     v4l2_buffer buffer = bufferNumber(0);
@@ -112,10 +120,11 @@ public:
     const bool sound = !(buffer.flags & V4L2_BUF_FLAG_ERROR) && buffer.index < mapped_.size();
     if (sound) {
       const Mapped& memory = mapped_[buffer.index];
-      use({static_cast<const unsigned char*>(memory.get()),
-           std::min<std::size_t>(buffer.bytesused, memory.get_deleter().size),
-           static_cast<double>(buffer.timestamp.tv_sec) +
-               1e-6 * static_cast<double>(buffer.timestamp.tv_usec)});
+      unpack(static_cast<const unsigned char*>(memory.get()),
+             std::min<std::size_t>(buffer.bytesused, memory.get_deleter().size),
+             static_cast<double>(buffer.timestamp.tv_sec) +
+                 1e-6 * static_cast<double>(buffer.timestamp.tv_usec),
+             frame);
     }
     control(VIDIOC_QBUF, &buffer, "takes no buffer back");
     return sound;
@@ -196,7 +205,6 @@ private:
     }
   }
 
-  const std::string name_;
   const files::Descriptor file_;
   std::vector<Mapped> mapped_;
 };
@@ -206,25 +214,25 @@ constexpr double kUsualInterval = 1.0 / 30;  // [s]
 /** Frames without gaps between rows or frames. */
 class Z16File : public Z16Buffers {
 public:
-  Z16File(const fs::path& path, int width, int height) {
+  Z16File(const fs::path& path, int width, int height) : Z16Buffers(path) {
     layout_ = {width, height, 2 * static_cast<std::size_t>(width)};
     files::requireRegularFile(path);
     if (width <= 0 || height <= 0)
-      throw IoError(path.string(), "does not say how large its images are: give a camera.ini");
+      throw IoError(name_, "does not say how large its images are: give a camera.ini");
     in_.open(path, std::ios::binary);
-    if (!in_) throw IoError(path.string(), "cannot be opened: " + files::lastError());
-    if (fs::file_size(path) == 0) throw IoError(path.string(), "is empty");
+    if (!in_) throw IoError(name_, "cannot be opened: " + files::lastError());
+    if (fs::file_size(path) == 0) throw IoError(name_, "is empty");
   }
 
   bool atEnd() const override { return ended_; }
   bool isLive() const override { return false; }
 
-  bool take(FrameSource::Patience, const std::function<void(const Z16Buffer&)>& use) override {
+  bool take(FrameSource::Patience, DepthFrame& frame) override {
     bytes_.resize(layout_.bytes());
     in_.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(bytes_.size()));
     const auto n = static_cast<std::size_t>(in_.gcount());
     ended_ = n == 0;
-    if (!ended_) use({bytes_.data(), n, kUsualInterval * static_cast<double>(frames_++)});
+    if (!ended_) unpack(bytes_.data(), n, kUsualInterval * static_cast<double>(frames_), frame);
     ended_ = ended_ || in_.peek() == std::ifstream::traits_type::eof();
     return n > 0;
   }
@@ -232,18 +240,8 @@ public:
 private:
   std::ifstream in_;
   std::vector<unsigned char> bytes_;
-  std::uint64_t frames_ = 0;
   bool ended_ = false;
 };
-
-/** The depths of a buffer that has layout.bytes() bytes at least. */
-std::vector<std::uint16_t> depthsOf(const unsigned char* bytes, const Z16Layout& layout) {
-  const auto width = static_cast<std::size_t>(layout.width), height = static_cast<std::size_t>(layout.height);
-  std::vector<std::uint16_t> depths(width * height);
-  for (std::size_t row = 0; row < height; ++row)  // both little-endian
-    std::memcpy(depths.data() + row * width, bytes + row * layout.bytes_per_row, 2 * width);
-  return depths;
-}
 
 }  // namespace
 }  // namespace internal
@@ -298,17 +296,8 @@ bool V4l2Frames::isLive() const { return buffers_->isLive(); }
 
 DepthFrame::ConstPtr V4l2Frames::next(Patience patience) {
   auto frame = std::make_shared<DepthFrame>();
-  const Z16Layout layout = buffers_->layout();
-  const auto read = [&](const internal::Z16Buffer& buffer) {
-    frame->number = ++frames_;
-    frame->stamp = buffer.stamp;
-    frame->camera = camera_;
-    if (buffer.size < layout.bytes())
-      throw IoError(name_, fmt::format("frame {}: is torn: it has {} bytes of {}", frames_, buffer.size,
-                                       layout.bytes()));
-    frame->values = internal::depthsOf(buffer.bytes, layout);
-  };
-  if (!buffers_->take(patience, read)) return {};
+  frame->camera = camera_;
+  if (!buffers_->take(patience, *frame)) return {};
   return frame;
 }
 

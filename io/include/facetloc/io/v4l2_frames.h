@@ -40,7 +40,6 @@ private:
   const std::string name_;
   std::unique_ptr<internal::Z16Buffers> buffers_;
   std::shared_ptr<const CameraFile> camera_;
-  std::uint64_t frames_ = 0;
 };
 
 }  // namespace facetloc
