@@ -130,30 +130,26 @@ public:
    * none if there was no room. A light thing may have moved. */
   std::optional<Spot> atWall(const Kind& kind, const Eigen::AlignedBox2d& room, bool light = false,
                              double turn_deg = 0) {
-    return put(
-        kind, light, [&] { return drawSpotAtWall(kind, room, turn_deg); }, room);
+    return put(kind, light, room, [&] { return drawSpotAtWall(kind, room, turn_deg); });
   }
 
   /** \brief A thing somewhere in an area, turned anyhow. */
   std::optional<Spot> anywhere(const Kind& kind, const Eigen::AlignedBox2d& area, bool light = true) {
-    return put(
-        kind, light, [&] { return drawSpot(area); }, area);
+    return put(kind, light, area, [&] { return drawSpot(area); });
   }
 
   /** \brief A thing at a given spot, or as near as a slack [m] allows. */
   std::optional<Spot> at(const Kind& kind, const Spot& spot, const Eigen::AlignedBox2d& area,
                          bool light = false, double slack = 0, double turn_deg = 0) {
-    const auto draw = [&] {
+    return put(kind, light, area, [&] {
       const double x = random_.uniform(-slack, slack), y = random_.uniform(-slack, slack);
       return spot.relative(x, y, turn_deg * kDegree * random_.uniform(-1, 1));
-    };
-    return put(kind, light, draw, area);
+    });
   }
 
   /** \brief A thing that is there in one of the runs only. */
   void passing(const Kind& kind, const Eigen::AlignedBox2d& area, When when) {
-    if (const auto spot = takeSpot(
-            kind, [&] { return drawSpot(area); }, area))
+    if (const auto spot = takeSpot(kind, area, [&] { return drawSpot(area); }))
       kind.add(builder_, *spot, random_, when);
   }
 
@@ -209,7 +205,7 @@ private:
 
   /** None if there is no room. */
   template <class Draw>
-  std::optional<Spot> takeSpot(const Kind& kind, Draw&& draw, const Eigen::AlignedBox2d& area) {
+  std::optional<Spot> takeSpot(const Kind& kind, const Eigen::AlignedBox2d& area, const Draw& draw) {
     for (int i = 0; i < kTries; ++i) {
       const Spot spot = draw();
       const Footprint taken = footprint(kind, spot);
@@ -221,8 +217,8 @@ private:
   }
 
   template <class Draw>
-  std::optional<Spot> put(const Kind& kind, bool light, Draw&& draw, const Eigen::AlignedBox2d& area) {
-    const std::optional<Spot> spot = takeSpot(kind, draw, area);
+  std::optional<Spot> put(const Kind& kind, bool light, const Eigen::AlignedBox2d& area, const Draw& draw) {
+    const std::optional<Spot> spot = takeSpot(kind, area, draw);
     if (!spot) return spot;
     const bool moves = random_.uniform() < kShareMoved;
     if (!light || !moves) {
@@ -231,8 +227,7 @@ private:
     }
     const Random before = random_;
     kind.add(builder_, *spot, random_, When::mapped);
-    if (const std::optional<Spot> later = takeSpot(
-            kind, [&] { return pushed(*spot); }, area)) {
+    if (const std::optional<Spot> later = takeSpot(kind, area, [&] { return pushed(*spot); })) {
       Random again = before;
       kind.add(builder_, *later, again, When::later);
     }

@@ -187,17 +187,6 @@ void addLocker(SceneBuilder& builder, const Spot& spot, Random& random, When whe
 
 // ---- Racks ----
 
-/** The freight of one bay: the only difference between the bays of equal racks. */
-enum class Freight { cartons, crates, rolls, nothing };
-
-Freight drawFreight(Random& random) {
-  const double draw = random.uniform();
-  if (draw < 0.55) return Freight::cartons;
-  if (draw < 0.8) return Freight::crates;
-  if (draw < 0.9) return Freight::rolls;
-  return Freight::nothing;
-}
-
 /** One thing on a board: it stays, is taken away, comes new, or is pushed aside. */
 template <class Add>
 void addLoad(double moved_share, double slack, Random& random, Add&& add) {
@@ -260,6 +249,17 @@ void loadRolls(SceneBuilder& builder, const Spot& board, double depth, double wi
   }
 }
 
+/** The freight of one bay, the only difference between the bays of equal racks: it loads a board. */
+using Freight = decltype(loadCartons);
+
+/** Null for none. */
+Freight* drawFreight(Random& random) {
+  const double draw = random.uniform();
+  if (draw < 0.55) return loadCartons;
+  if (draw < 0.8) return loadCrates;
+  return draw < 0.9 ? loadRolls : nullptr;
+}
+
 }  // namespace
 
 namespace kind {
@@ -288,7 +288,7 @@ void addRackRow(SceneBuilder& builder, const Spot& spot, const RackRow& rack, Ra
            {0.04, 0.02, length}, When::always);
   }
   const double free = rack.board_distance - kBoardThickness - 0.03;
-  std::vector<Freight> freight;
+  std::vector<Freight*> freight;
   for (int i = 0; i < rack.bays; ++i) freight.push_back(drawFreight(random));
   for (double z = kLowest; z + kBoardThickness < rack.height; z += rack.board_distance) {
     // Boards run through, with a beam along each edge.
@@ -298,22 +298,11 @@ void addRackRow(SceneBuilder& builder, const Spot& spot, const RackRow& rack, Ra
                   {0.03, rack.length, kLip});
     for (int i = 0; i < rack.bays; ++i) {
       const bool odd_one = chance(random, 0.2);
-      const Freight odd = drawFreight(random);
+      Freight* odd = drawFreight(random);
       const Spot board = spot.relative(0, (i + 0.5 - 0.5 * rack.bays) * bay, 0, z + kBoardThickness);
       const double width = bay - kPost, depth = rack.depth - 0.04;
-      switch (odd_one ? odd : freight[i]) {
-      case Freight::cartons:
-        loadCartons(builder, board, depth, width, free, rack.moved_share, random);
-        break;
-      case Freight::crates:
-        loadCrates(builder, board, depth, width, free, rack.moved_share, random);
-        break;
-      case Freight::rolls:
-        loadRolls(builder, board, depth, width, free, rack.moved_share, random);
-        break;
-      case Freight::nothing:
-        break;
-      }
+      if (Freight* load = odd_one ? odd : freight[i])
+        load(builder, board, depth, width, free, rack.moved_share, random);
     }
   }
 }

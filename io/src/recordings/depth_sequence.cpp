@@ -22,7 +22,6 @@
 #include <numeric>
 
 namespace facetloc {
-
 namespace internal {
 namespace {
 
