@@ -7,9 +7,9 @@
 #include "drawing/plan_view.h"
 #include "outputs/map_completion.h"
 #include "outputs/output_folder.h"
-#include "tools/model_axes.h"
 
 #include <facetloc/features/camera_presets.h>
+#include <facetloc/features/pose.h>
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/cloud_file.h>
 #include <facetloc/io/error.h>
@@ -19,6 +19,9 @@
 #include <facetloc/mapping/mesh_surface.h>
 #include <facetloc/mapping/model_map.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
@@ -39,6 +42,154 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::array<std::pair<const char*, double>, 5> kUnits{
+    {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}}};
+
+/** "1,2.5,0"; nothing for other words. */
+std::optional<Eigen::Vector3d> threeNumbers(const std::string& words) {
+  const auto parts = text::split(words, ',');
+  if (parts.size() != 3) return {};
+  Eigen::Vector3d numbers;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto number = text::to<double>(text::trimmed(parts[k]));
+    if (!number || !std::isfinite(*number)) return {};
+    numbers[static_cast<Eigen::Index>(k)] = *number;
+  }
+  return numbers;
+}
+
+/** The unit in which a length of a file is nearest to a usual one [m]; null if it is far from it in all. */
+const char* unitFor(double in_file, double usual) {
+  constexpr double kFar = 3;  // times
+  const char* best = nullptr;
+  double nearest = std::log(kFar);
+  for (const auto& [name, metres] : kUnits)
+    if (const double off = std::abs(std::log(in_file * metres / usual)); off < nearest)
+      nearest = off, best = name;
+  return best;
+}
+
+Finding unitQuestion(Severity severity, const std::string& words, const char* unit, double length) {
+  return {"model.units",
+          severity,
+          words,
+          unit ? fmt::format("is its unit {0}? --units {0}", unit)
+               : std::string("--units names the unit of its coordinates"),
+          {{"length_m", length}}};
+}
+
+/** Metres per unit of a model: m, cm, mm, in or ft. Throws UsageError for another word. */
+double metresPer(const std::string& unit) {
+  for (const auto& [name, metres] : kUnits)
+    if (unit == name) return metres;
+  throw UsageError("units: '" + unit + "' is not one of m, cm, mm, in, ft");
+}
+
+/** "z", "-y", or three numbers; none for "auto". Throws UsageError for anything else. */
+std::optional<Eigen::Vector3d> directionOf(const std::string& words) {
+  if (words == "auto") return {};
+  const bool negative = !words.empty() && words[0] == '-';
+  const std::string axis = words.substr(negative ? 1 : 0);
+  if (axis.size() == 1 && axis[0] >= 'x' && axis[0] <= 'z')
+    return (negative ? -1 : 1) * Eigen::Vector3d::Unit(axis[0] - 'x');
+  const auto direction = threeNumbers(words);
+  if (!direction || direction->norm() == 0)
+    throw UsageError("up: '" + words +
+                     "' is neither an axis (x, -x, y, ...) nor a direction (0,-1,0.1) nor auto");
+  return direction->normalized();
+}
+
+/** "1,2.5,0". Throws UsageError for anything else. */
+Eigen::Vector3d placeOf(const std::string& words) {
+  const auto place = threeNumbers(words);
+  if (!place) throw UsageError("inside: '" + words + "' is not of the form x,y,z in metres");
+  return *place;
+}
+
+/** A direction as directionOf() reads it. */
+std::string toOption(const Eigen::Vector3d& direction) {
+  constexpr double kExact = 1e-4;
+  for (int k = 0; k < 3; ++k)
+    if (1 - std::abs(direction[k]) < kExact * kExact / 2)
+      return fmt::format("{}{}", direction[k] < 0 ? "-" : "", "xyz"[k]);
+  const Eigen::Vector3d positive = direction + Eigen::Vector3d::Zero();  // no -0
+  return fmt::format("{:.4f},{:.4f},{:.4f}", positive.x(), positive.y(), positive.z());
+}
+
+/** The upward directions that a model suggests, as options. */
+std::string upOptions(const SurfaceOrientation& orientation) {
+  if (orientation.axes.empty()) return "--up DIRECTION";
+  std::vector<std::string> options;
+  for (const Eigen::Vector3d& up : orientation.candidates()) options.push_back("--up=" + toOption(up));
+  return fmt::format("{}", fmt::join(options, " or "));
+}
+
+/** The remark about an upward direction that the model contradicts; empty if it does not.
+ * \param up a unit vector */
+std::string upRemark(const SurfaceOrientation& orientation, const Eigen::Vector3d& up) {
+  using Verdict = SurfaceOrientation::Verdict;
+  const SurfaceOrientation::Judgement judged = orientation.judge(up);
+  const double angle = std::acos(std::clamp(up.dot(judged.better), -1.0, 1.0)) / kDegree;
+  switch (judged.verdict) {
+  case Verdict::inclined:
+    return fmt::format("its floor is inclined by {:.1f} deg: --up={} levels it", angle,
+                       toOption(judged.better));
+  case Verdict::upside_down:
+    return fmt::format(
+        "it is upside down, by the ceilings that it lacks or by what stands on its floors: --up={}",
+        toOption(judged.better));
+  case Verdict::other_axis:
+    return fmt::format(
+        "its floors do not face {}, which is up unless --up says otherwise; its largest planes suggest {}",
+        toOption(up), upOptions(orientation));
+  case Verdict::plausible:
+    break;
+  }
+  return {};
+}
+
+/** The finding about a unit that gives rooms unusual heights, a refusal if no building has such; empty
+ * if it does not. \param unit in which the model was read \param bounds of it [m] */
+std::optional<Finding> unitFinding(const std::string& unit, const SurfaceOrientation& orientation,
+                                   const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& up) {
+  constexpr double kLowest = 1, kHighest = 20, kUsual = 2.7;  // height of rooms [m]
+  constexpr double kNoRoom = 50;                           // no room is higher, but those of a few domes [m]
+  constexpr double kSmallest = 0.5, kUsualExtent = 10;     // extents of a model [m]
+  constexpr double kHighestOpen = 50, kNoBuilding = 1000;  // heights of a model without a whole room [m]
+  if (bounds.isEmpty()) return {};
+  const Eigen::Vector3d size = bounds.sizes();
+  if (size.maxCoeff() < kSmallest)
+    return unitQuestion(
+        Severity::refusal,
+        fmt::format("it is only {:.3g} x {:.3g} x {:.3g} m large", size.x(), size.y(), size.z()),
+        unitFor(size.maxCoeff() / metresPer(unit), kUsualExtent), size.maxCoeff());
+  const double rooms = orientation.judge(up).clear_height, whole = up.cwiseAbs().dot(size);
+  const bool is_usual = rooms > 0 ? rooms >= kLowest && rooms <= kHighest : whole <= kHighestOpen;
+  if (is_usual) return {};
+  const double height = rooms > 0 ? rooms : whole;
+  return unitQuestion(
+      height > (rooms > 0 ? kNoRoom : kNoBuilding) ? Severity::refusal : Severity::doubt,
+      fmt::format("{} {:.{}f} m high", rooms > 0 ? "its rooms are" : "it is", height, height < 10 ? 2 : 0),
+      unitFor(height / metresPer(unit), kUsual), height);
+}
+
+/** The finding about more places for a camera than are looked from. \param spacing of views [m]
+ * \param is_plan whether the model is a floor plan, which has no unit to name */
+Finding sizeFinding(std::size_t places, double spacing, bool is_plan) {
+  constexpr double kLargest = 10;  // spacing that can be asked for [m]
+  constexpr auto kMost = static_cast<double>(ModelMap::kMostPlaces);
+  const auto n = static_cast<double>(places);
+  const double wider = std::ceil(2 * spacing * std::sqrt(1.05 * n / kMost)) / 2;  // places of two dimensions
+  const std::string cure = is_plan ? std::string("look at the resolution in its YAML file")
+                                   : std::string("is its unit right? --units names it");
+  return {
+      "model.size",
+      Severity::refusal,
+      fmt::format("a camera can be at about {} places in it, more than {}", places, ModelMap::kMostPlaces),
+      cure + (wider <= kLargest ? fmt::format(", or take fewer: --spacing {}", wider) : std::string()),
+      {{"places", n}}};
+}
+
 std::vector<Eigen::Isometry3d> posesIn(const std::string& path, const Console& console) {
   std::string remark;
   std::vector<Eigen::Isometry3d> poses = posesOf(readTrajectory(path, &remark));
@@ -58,10 +209,8 @@ std::optional<fs::path> findTool(const std::string& name) {
   return {};
 }
 
-/** Runs a program to its end, with the same output streams. \return its exit code; 127 if it cannot be run,
- * or was killed */
-int runProgram(const fs::path& program, const std::vector<std::string>& arguments) {
-  constexpr int kCannotRun = 127;  // as shells say
+/** Runs a program to its end, with the same output streams. \return whether its exit code is 0 */
+bool succeeds(const fs::path& program, const std::vector<std::string>& arguments) {
   std::vector<std::string> copies = {program.filename().string()};
   copies.insert(copies.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -69,9 +218,8 @@ int runProgram(const fs::path& program, const std::vector<std::string>& argument
   argv.push_back(nullptr);
   pid_t child = 0;
   int status = 0;
-  if (posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ) != 0) return kCannotRun;
-  if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return kCannotRun;
-  return WEXITSTATUS(status);
+  if (posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ) != 0) return false;
+  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 /** facetloc_render, which draws the picture, as only that tool needs VTK. Throws UsageError for a file that
@@ -124,20 +272,18 @@ private:
                    "Add a ceiling to an occupancy grid, as high as its walls.");
     line.addOption("plan", plan_, "OUT.png", "Draw the floor map with the viewpoints, by facetloc_render.");
     line.addOption("width", width_, "N", "Minimum width of the rendered images [px]; 0 = 320.");
-    line.addCheck([this] {
+    line.addCheck([this, &line] {
       metresPer(units_);
       directionOf(up_);
       if (!inside_.empty()) placeOf(inside_);
       if (!(height_ >= 0 && height_ < 100)) throw UsageError("height must be from 0 to 100 m");
       if (width_ < 0 || width_ > 10000) throw UsageError("width must be from 0 to 10000");
-    });
-    line.addCheck([this, &line] {
       for (const char* option : {"height", "up", "inside"})
         if (!viewpoints_.empty() && line.given(option))
           throw UsageError(std::string(option) +
                            " is for places that are looked for, and viewpoints names them");
+      checkFloorPlan(line);
     });
-    line.addCheck([this, &line] { checkFloorPlan(line); });
     line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
     line.addSwitch("force", force_, "Build the map even if the MODEL's size is doubtful or takes hours.");
     line.addParams(params_, "", CommandLine::Shown::in_help);
@@ -217,7 +363,7 @@ private:
     }
     ModelMap making(surface, camera, params, view_);
     making.setNumberOfThreads(threads());
-    making.setUsualUp(usualUp(model_));
+    making.setUsualUp(Eigen::Vector3d::Unit(text::lowerExtension(model_) == ".obj" ? 1 : 2));  // y, else z
     if (const auto up = directionOf(up_))
       making.setUp(*up);
     else
@@ -313,7 +459,7 @@ private:
   void drawPlan(const fs::path& renderer) const {
     std::vector<std::string> arguments = {map_, "-o", plan_, "--quiet"};
     if (isFloorPlan()) arguments.insert(arguments.end(), {"--grid", model_});
-    if (runProgram(renderer, arguments) != 0)
+    if (!succeeds(renderer, arguments))
       throw IoError(plan_, "is not drawn by " + renderer.string() + "; the map is in " + map_);
   }
 
