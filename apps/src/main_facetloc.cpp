@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/front.h"
+#include "cli/tools.h"
 
 int main(int argc, char** argv) {
   std::error_code unknown;

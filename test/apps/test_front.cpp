@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "example_room.h"
 #include "process.h"
-#include "tools/front.h"
 
 #include <facetloc/testing/places.h>
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/spelling.h"
 #include "cli/text.h"
 
 #include <gtest/gtest.h>

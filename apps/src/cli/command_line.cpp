@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "cli/app.h"
-#include "cli/spelling.h"
+#include "cli/text.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>

@@ -9,7 +9,7 @@
 #include <vector>
 
 /** \file
- * Text for people; of numbers see shared/text.h. */
+ * Text for people; of numbers see base/text.h. */
 
 namespace facetloc {
 
@@ -19,6 +19,18 @@ std::string printable(std::string_view text);
 
 /** \brief "1 image", "2 images". */
 std::string counted(std::size_t n, const std::string& noun);
+
+/** \brief - and _ are the same in names. */
+std::string underscored(std::string name);
+
+/** \brief The known word that was probably meant, written as it is known; empty if none is near: a third of
+ * the characters may be wrong. Of a word in groups, such as ekf.iterations, the last part alone may be meant.
+ * The first one of several that are equally near. */
+std::string nearestWord(const std::string& word, const std::vector<std::string>& known);
+
+/** \brief "; did you mean '--map'?", or nothing. \param prefix of the word as it is shown */
+std::string didYouMean(const std::string& word, const std::vector<std::string>& known,
+                       const std::string& prefix = "");
 
 /** \brief Columns of text, each as wide as its widest cell; the first column is aligned left, all others
  * right. */

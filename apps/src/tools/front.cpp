@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/front.h"
-
 #include "cli/tools.h"
 
 #include <cerrno>

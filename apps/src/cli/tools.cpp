@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/commands.h"
+#include "cli/tools.h"
 
-#include "cli/spelling.h"
+#include "cli/text.h"
 
 #include <algorithm>
 #include <fmt/format.h>
