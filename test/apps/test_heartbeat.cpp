@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/heartbeat.h"
+#include "cli/progress.h"
 
 #include <facetloc/testing/matchers.h>
 

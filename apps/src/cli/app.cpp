@@ -4,7 +4,7 @@
 #include "batch/batch.h"
 #include "batch/ranks.h"
 #include "cli/findings_file.h"
-#include "cli/heartbeat.h"
+#include "cli/progress.h"
 #include "cli/text.h"
 
 #include <exception>

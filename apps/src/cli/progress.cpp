@@ -2,7 +2,9 @@
 #include "cli/progress.h"
 
 #include <cmath>
+#include <condition_variable>
 #include <fmt/core.h>
+#include <thread>
 
 namespace facetloc {
 namespace {
@@ -49,5 +51,87 @@ void Progress::step() {
   console_.show(progressLine(done_, total_, seconds));
   if (done_ == total_) clear();  // the next output begins on an empty line
 }
+
+/** The thread that speaks when nothing is printed. */
+class Heartbeat::Watch {
+public:
+  Watch(const Console& console, std::string what) : console_(console), what_(std::move(what)) {
+    if (!console_.quiet) thread_ = std::thread([this] { watch(); });
+  }
+  ~Watch() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ended_ = true;
+    }
+    end_.notify_one();
+    if (thread_.joinable()) thread_.join();
+    clear();
+  }
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  /** Writes texts of the work to a stream of the console. */
+  Relay relayTo(std::ostream& stream) {
+    return Relay([this, &stream](const char* text, std::streamsize size) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      clear();
+      stream.write(text, size).flush();
+      spoke_ = Clock::now();
+      return static_cast<bool>(stream);
+    });
+  }
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  void watch() {
+    const auto silence = console_.terminal ? std::chrono::seconds(1) : std::chrono::seconds(2);
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!end_.wait_until(lock, spoke_ + silence, [this] { return ended_; })) {
+      if (Clock::now() < spoke_ + silence) continue;
+      if (console_.terminal)
+        console_.show(fmt::format("{}: {:.0f} s", what_, seconds()));
+      else
+        console_.err << "." << std::flush;
+      spoke_ = Clock::now();
+      beating_ = true;
+    }
+  }
+
+  /** Ends the line of dots, so that the next output begins on an empty line. */
+  void clear() {
+    if (!beating_) return;
+    if (console_.terminal)
+      console_.show("");
+    else
+      console_.err << "\n";
+    beating_ = false;
+  }
+
+  const Console& console_;
+  const std::string what_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point spoke_ = start_;
+  bool beating_ = false;  // a line of ours is not ended
+  bool ended_ = false;
+  std::mutex mutex_;
+  std::condition_variable end_;
+  std::thread thread_;
+};
+
+Heartbeat::Heartbeat(const Console& console, const std::string& what)
+    : console_(console),
+      watch_(std::make_unique<Watch>(console, what)),
+      out_relay_(watch_->relayTo(console.out)),
+      err_relay_(watch_->relayTo(console.err)) {}
+
+Heartbeat::~Heartbeat() = default;
+
+Console Heartbeat::console(std::ostream& out) const {
+  return {out,           err_, console_.terminal, console_.quiet,
+          console_.tool, true, console_.findings, console_.publish};
+}
+
+Console Heartbeat::console() const { return console(out_); }
+
+double Heartbeat::seconds() const { return watch_->seconds(); }
 
 }  // namespace facetloc

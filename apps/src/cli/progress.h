@@ -2,10 +2,13 @@
 #pragma once
 
 #include "cli/app.h"
+#include "cli/text.h"
 
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <mutex>
+#include <ostream>
 #include <string>
 
 namespace facetloc {
@@ -37,6 +40,28 @@ private:
   Clock::time_point shown_;
   std::size_t done_ = 0;
   std::mutex mutex_;
+};
+
+/** \brief Shows that work goes on if nothing is printed for a second: the time it has taken, in the line of
+ * progress on a terminal, else a dot every two seconds. Output through console() comes whole, on
+ * lines of its own. Nothing if quiet. */
+class Heartbeat {
+public:
+  Heartbeat(const Console& console, const std::string& what);
+  ~Heartbeat();
+
+  /** \brief For work whose results go to a stream of its own, which does not count as output here. */
+  Console console(std::ostream& out) const;
+  /** \brief For work that prints to the console given. */
+  Console console() const;
+  double seconds() const;
+
+private:
+  class Watch;
+  const Console& console_;
+  std::unique_ptr<Watch> watch_;
+  Relay out_relay_, err_relay_;
+  mutable std::ostream out_{&out_relay_}, err_{&err_relay_};
 };
 
 }  // namespace facetloc

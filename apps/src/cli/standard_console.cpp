@@ -28,19 +28,6 @@ bool writeAll(int stream, const char* text, std::size_t size) {
   return true;
 }
 
-/** Standard error: a text that comes in one piece is written in one, from any thread. */
-class DirectOutput : public std::streambuf {
-protected:
-  int_type overflow(int_type c) override {
-    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
-    const char text = traits_type::to_char_type(c);
-    return writeAll(STDERR_FILENO, &text, 1) ? c : traits_type::eof();
-  }
-  std::streamsize xsputn(const char* text, std::streamsize size) override {
-    return writeAll(STDERR_FILENO, text, static_cast<std::size_t>(size)) ? size : 0;
-  }
-};
-
 /** Standard output in printable characters. */
 class PrintableOutput : public std::streambuf {
 public:
@@ -82,7 +69,10 @@ Console standardConsole() {
   // PCL's messages about a bad file come as an exception, once.
   if (!std::getenv("PCL_VERBOSITY_LEVEL")) pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   static PrintableOutput output;
-  static DirectOutput errors;
+  // A text that comes in one piece is written in one, from any thread.
+  static Relay errors([](const char* text, std::streamsize size) {
+    return writeAll(STDERR_FILENO, text, static_cast<std::size_t>(size));
+  });
   static std::ostream out(&output), err(&errors);
   return {out, err, isatty(STDERR_FILENO) == 1, false, {}};
 }

@@ -3,9 +3,12 @@
 
 #include <facetloc/features/camera_model.h>
 
+#include <functional>
 #include <ostream>
+#include <streambuf>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 /** \file
@@ -48,6 +51,26 @@ public:
 private:
   std::vector<std::vector<std::string>> rows_;  // the first one is the header
   bool words_last_ = false;
+};
+
+/** \brief Hands each text on to a function as it comes, which returns false if it cannot take it. */
+class Relay : public std::streambuf {
+public:
+  using Take = std::function<bool(const char* text, std::streamsize size)>;
+  explicit Relay(Take take) : take_(std::move(take)) {}
+
+protected:
+  int_type overflow(int_type c) override {
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    const char text = traits_type::to_char_type(c);
+    return take_(&text, 1) ? c : traits_type::eof();
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    return take_(text, size) ? size : 0;
+  }
+
+private:
+  Take take_;
 };
 
 }  // namespace facetloc

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/findings_file.h"
-#include "cli/heartbeat.h"
+#include "cli/progress.h"
 #include "cli/tools.h"
 #include "evaluation/evaluation_report.h"
 #include "inputs/depth_input.h"
