@@ -3,6 +3,7 @@
 
 #include "cli/app.h"
 
+#include <facetloc/features/image_noise.h>
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/mapping/map_findings.h>
@@ -41,10 +42,10 @@ DepthSequence openSequence(const std::string& path, const RecordingHints& hints,
 View viewOf(const DepthSequence& sequence, std::size_t index, int working_width, ViewBuilder& builder,
             const std::optional<Gravity>& gravity = {});
 
-/** \brief The map at that path, with a remark if its build has not ended. */
 /** \brief The map of a file or, named by their files, several maps as one (joinMaps()); unfinished ones are
  * noted. Throws IoError. */
 std::shared_ptr<const Map> openMaps(const std::vector<std::string>& paths, const Console& console);
+/** \brief The map of that path, with a remark if its build has not ended. */
 Map noteUnfinished(Map map, const std::string& path, const Console& console);
 
 /** \brief Prints how the camera of the images differs from the map's. */
@@ -53,6 +54,9 @@ void noteDifference(const Camera& of_images, const Map& map, const Console& cons
 /** \brief A remark if images are much noisier than their camera's specification.
  * \param found noise of inverse depth of each image at the usual depth [1/m], 0 where it is not known */
 void noteNoise(std::vector<double> found, const SensorNoise& specified, const Console& console);
+
+/** \brief Prints noise over range as a table, and the lines of a camera.ini that say it. Requires one bin. */
+void printNoise(std::ostream& out, const std::vector<NoiseBin>& bins);
 
 /** \brief The option of tools that match images with poses. */
 void addPoseTolerance(CommandLine& line, double& seconds);

@@ -8,7 +8,6 @@
 #include "cli/tools.h"
 #include "inputs/depth_input.h"
 #include "tools/image_trajectory.h"
-#include "tools/noise_table.h"
 
 #include <facetloc/features/camera_presets.h>
 #include <facetloc/features/image_noise.h>

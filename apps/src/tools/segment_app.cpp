@@ -7,7 +7,6 @@
 #include "inputs/depth_input.h"
 #include "outputs/output_folder.h"
 #include "outputs/provenance.h"
-#include "tools/noise_table.h"
 
 #include <facetloc/io/atomic_file.h>
 #include <facetloc/io/cloud_file.h>
