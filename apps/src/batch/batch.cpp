@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/batch.h"
 
-#include "batch/ordered_jobs.h"
 #include "cli/text.h"
 
 #include <facetloc/io/error.h>
 
-#include <algorithm>
-#include <exception>
 #include <fmt/core.h>
-#include <thread>
 
 namespace facetloc {
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "batch/batch.h"
-#include "batch/ordered_jobs.h"
 #include "batch/ranks.h"
 
 #include <functional>
