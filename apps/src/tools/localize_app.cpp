@@ -98,22 +98,6 @@ struct Seeing {
   }
 };
 
-LocalizedImage localizeFrame(const FrameFile& file, const View& scene, const Seeing& seeing,
-                             const Locate& localize, const Map& map, int max_hypotheses) {
-  LocalizedImage image;
-  auto& [result, traits] = image;
-  const Clock::time_point start = Clock::now();
-  const Localization answer = localize(scene, file.stamp);
-  result.stamp = file.stamp;
-  result.timing = {file.name, seeing.builder.segmentMilliseconds() + seeing.sides.milliseconds(),
-                   seeing.builder.featuresMilliseconds(), millisecondsSince(start),
-                   static_cast<int>(map.models.size())};
-  result.rows = resultRows(file.name, answer, map, max_hypotheses);
-  traits = ViewTraits::of(scene);
-  traits.noise = scene.noise();
-  return image;
-}
-
 void noteWithoutOdometry(const DepthSequence& sequence, const PosesByTime& odometry, const Console& console) {
   if (!odometry) return;
   const auto& frames = sequence.frames();
@@ -156,8 +140,6 @@ public:
 
 private:
   using ImageBatch = SharedBatch<std::vector<std::size_t>, LocalizedImage>;
-  /** Hands out the answer to a frame as soon as it is final. */
-  using Publish = std::function<void(std::size_t frame, const FrameResult& result)>;
 
   /** The images and the map. */
   struct Task {
@@ -182,9 +164,13 @@ private:
     std::vector<std::size_t> todo;        // images
     std::optional<ResultsWriter> writer;  // nothing if all is done already, or without a folder
     std::vector<ViewTraits> views{};      // one per image of this run
+    std::optional<PoseStream> stream{};   // where answers go as soon as they are final, if anywhere
 
     /** Are the images that are still to be done the last ones? */
     bool inOrder() const { return todo.empty() || todo.front() + todo.size() == results.size(); }
+    void publish(std::size_t frame) {
+      if (stream) stream->put(frame, results[frame]);
+    }
   };
 
   void addOptions(CommandLine& line) override {
@@ -270,15 +256,27 @@ private:
         return answer;
       };
     const auto all = std::make_shared<std::vector<Seeing>>(workers, seeing(task));
-    const auto fileOf = [&task, images](std::size_t i) -> const FrameFile& {
-      return task.frames()[images[i]];
-    };
-    return {[fileOf](std::size_t i) { return fileOf(i).path.string(); },
-            [this, &task, images, locate, all, fileOf](std::size_t i, int worker) {
-              Seeing& here = (*all)[worker];
-              const View scene = here.at(task.sequence, images[i], input_.width, gravity_);
-              return localizeFrame(fileOf(i), scene, here, locate, *task.map, max_hypotheses_);
+    return {[&task, images](std::size_t i) { return task.frames()[images[i]].path.string(); },
+            [this, &task, images, locate, all](std::size_t i, int worker) {
+              return localized(task, images[i], (*all)[worker], locate);
             }};
+  }
+
+  LocalizedImage localized(const Task& task, std::size_t index, Seeing& seen, const Locate& locate) const {
+    const FrameFile& file = task.frames()[index];
+    const View view = seen.at(task.sequence, index, input_.width, gravity_);
+    const Clock::time_point start = Clock::now();
+    const Localization answer = locate(view, file.stamp);
+    LocalizedImage image;
+    auto& [result, traits] = image;
+    result.stamp = file.stamp;
+    result.timing = {file.name, seen.builder.segmentMilliseconds() + seen.sides.milliseconds(),
+                     seen.builder.featuresMilliseconds(), millisecondsSince(start),
+                     static_cast<int>(task.map->models.size())};
+    result.rows = resultRows(file.name, answer, *task.map, max_hypotheses_);
+    traits = ViewTraits::of(view);
+    traits.noise = view.noise();
+    return image;
   }
 
   Seeing seeing(const Task& task) const {
@@ -303,11 +301,11 @@ private:
   }
 
   /** The images one after the other, several at a time. \param drive that smoothes, if any */
-  void localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive, const Publish& publish,
+  void localize(const Task& task, Run& run, ImageBatch& batch, const Drive* drive,
                 const Console& console) const {
     const auto finish = [&](std::size_t frame) {
       if (run.writer) run.writer->append(run.results[frame]);
-      publish(frame, run.results[frame]);
+      run.publish(frame);
     };
     std::vector<std::size_t> localized;
     batch.run(run.todo, run.todo.size(),
@@ -418,11 +416,6 @@ private:
            (odometry_.empty() ? "" : "\n" + toIni(odometry_error_, "odometry_error"));
   }
 
-  int execute(const CommandLine& line, const Console& console) override {
-    return streams_ ? localizeAll(line, besideStream(console), &console.out)
-                    : localizeAll(line, console, nullptr);
-  }
-
   void requireSense() const {
     if (max_hypotheses_ < 1) throw UsageError("max-hypotheses must be positive");
     if (starts_ < 0) throw UsageError("starts must not be negative");
@@ -440,8 +433,8 @@ private:
                        "have no probabilities");
   }
 
-  /** \param out where answers are streamed to; null = nowhere */
-  int localizeAll(const CommandLine& line, const Console& console, std::ostream* out) {
+  int execute(const CommandLine& line, const Console& given) override {
+    const Console console = streams_ ? besideStream(given) : given;
     requireSense();
     Provenance::requireNotReplaced(recording_, folder_);
     if (!resume_) Provenance::requireNotReplaced(line.paramsFile(), folder_);  // else it has to say the same
@@ -486,15 +479,11 @@ private:
     task.params_ini = paramsIni(task.sequence.camera(), camera, *map) + (rig ? rigLine(*rig) : "");
     Run run = begin(task);
     if (lock) writeInputs(folder_, task.sequence.frames());
-    std::optional<PoseStream> stream;
-    if (out) stream.emplace(*out, camera.mounting);
-    const Publish publish = [&stream](std::size_t frame, const FrameResult& result) {
-      if (stream) stream->put(frame, result);
-    };
+    if (streams_) run.stream.emplace(given.out, camera.mounting);
     const std::set<std::size_t> undone(run.todo.begin(), run.todo.end());
     for (std::size_t i = 0; i < run.results.size(); ++i)
-      if (!undone.count(i)) publish(i, run.results[i]);  // localized by an earlier run
-    localize(task, run, batch, drive ? &*drive : nullptr, publish, console);
+      if (!undone.count(i)) run.publish(i);  // localized by an earlier run
+    localize(task, run, batch, drive ? &*drive : nullptr, console);
     const int code = batch.report();
     if (!run.inOrder()) run.writer.emplace(folder_, task.params_ini, task.resultFrames());
     printSummary(run, *map, console);
