@@ -26,7 +26,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <map>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <sstream>
@@ -139,13 +138,6 @@ private:
     std::string frameName(std::size_t i) const { return text::decimals(stamps[i], 6); }
   };
 
-  /** The runs through a place. */
-  struct Place {
-    std::shared_ptr<const SimulatedWorld> mapped, later;
-    std::vector<Run> runs;  // those that are wanted
-    std::vector<Eigen::AlignedBox2d> unmapped_rooms;
-  };
-
   void addOptions(CommandLine& line) override {
     line.addArgument("SCENE", scene_);
     line.addOption("output,o", folder_, "DIR", "Folder of the sequences.");
@@ -221,7 +213,8 @@ private:
     console.out << "floor plan in " << grid.string() << "\n";
   }
 
-  Place makePlace(SimulatedPlace made) const {
+  /** The runs through a place that are wanted. */
+  std::vector<Run> runsThrough(SimulatedPlace& made) const {
     const auto seed = static_cast<std::uint64_t>(seed_);
     const auto map_frames = static_cast<std::size_t>(frames_ > 0 ? frames_ : map_frames_);
     const auto query_frames = static_cast<std::size_t>(frames_ > 0 ? frames_ : query_frames_);
@@ -230,12 +223,8 @@ private:
     map_drive.step = map_step_;
     map_drive.sway_deg = rounds_ > 1 ? kSwayInRounds : 0;
 
-    Place place;
     made.mapped.bending.std = surface_error_;
     made.mapped.bending.seed = seed;
-    place.mapped = std::make_shared<SimulatedWorld>(std::move(made.mapped));
-    place.later = std::make_shared<SimulatedWorld>(std::move(made.later));
-    place.unmapped_rooms = std::move(made.unmapped_rooms);
     made.mapping_route = roundsOf(made.mapping_route, rounds_, runSeed(seed, kSeedOfRounds));
     const RouteEnd end = made.one_way ? RouteEnd::stop : RouteEnd::go_round;
 
@@ -252,18 +241,18 @@ private:
       return poses;
     };
     const std::size_t further = static_cast<std::size_t>(rounds_ - 1) * map_frames;
-    std::vector<Run> runs = {
-        {kMap, place.mapped.get(), numbers(0, map_frames), true,
-         drive(*place.mapped, made.mapping_route, map_frames + further, map_drive, 0, {})},
-        {kQuery, place.later.get(), numbers(map_frames, query_frames), true,
-         drive(*place.later, made.query_route, query_frames, drive_, 1, {})},
-        {kDrive, place.later.get(), numbers(map_frames + query_frames, drive_frames), false,
-         drive(*place.later, made.query_route, drive_frames, drive_, 2, pace_)}};
+    std::vector<Run> runs = {{kMap, &made.mapped, numbers(0, map_frames), true,
+                              drive(made.mapped, made.mapping_route, map_frames + further, map_drive, 0, {})},
+                             {kQuery, &made.later, numbers(map_frames, query_frames), true,
+                              drive(made.later, made.query_route, query_frames, drive_, 1, {})},
+                             {kDrive, &made.later, numbers(map_frames + query_frames, drive_frames), false,
+                              drive(made.later, made.query_route, drive_frames, drive_, 2, pace_)}};
     const std::vector<std::uint64_t> more = numbers(map_frames + query_frames + drive_frames, further);
     runs.front().noise.insert(runs.front().noise.end(), more.begin(), more.end());
     setStamps(runs);
     if (map_poses_.any()) runs.front().reported = simulateMapPoses(runs.front().poses, map_poses_, seed);
     const std::vector<std::string> wanted = wantedRuns();
+    std::vector<Run> driven;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       if (std::find(wanted.begin(), wanted.end(), runs[i].name) == wanted.end()) continue;
       if (const int people = runs[i].name == kMap ? map_people_ : people_; people > 0)
@@ -277,9 +266,9 @@ private:
         for (std::size_t k = 0; k < found.size(); ++k)
           runs[i].gravity.push_back({runs[i].stamps[k], found[k]});
       }
-      place.runs.push_back(std::move(runs[i]));
+      driven.push_back(std::move(runs[i]));
     }
-    return place;
+    return driven;
   }
 
   std::vector<std::string> wantedRuns() const {
@@ -350,7 +339,7 @@ private:
     SimulatedPlace made = makeScenes();
     writeModels(made, console);
     if (folder_.empty()) return kOk;
-    const Place place = makePlace(std::move(made));
+    const std::vector<Run> runs = runsThrough(made);
     const CameraPreset& preset = *findCameraPreset(preset_.empty() ? kUsualCamera : preset_);
     const Intrinsics intrinsics =
         scaled(preset.intrinsics(), line.given("width") ? width_ : preset.intrinsics().width);
@@ -368,7 +357,7 @@ private:
     std::vector<Image> images;
     createFolders(folder_);
     const OutputLock lock = OutputLock::ofFolder(folder_);
-    for (const Run& run : place.runs) {
+    for (const Run& run : runs) {
       prepareFolder(run, camera_file);
       for (std::size_t i = 0; i < run.poses.size(); ++i) images.push_back({&run, i});
     }
@@ -389,11 +378,11 @@ private:
           writeDepthPng(folder / "depth" / file, frame.depth, kDepthScale);
           if (run->labels) writeLabels(folder / "labels" / file, frame.labels);
           if (run->name == kQuery)
-            unmapped[index] = showsOnly(place.unmapped_rooms, frame.depth, run->poses[index]);
+            unmapped[index] = showsOnly(made.unmapped_rooms, frame.depth, run->poses[index]);
         });
     const int code = batch.report();
     std::string what;
-    for (const Run& run : place.runs) {
+    for (const Run& run : runs) {
       if (run.name == kQuery) writeUnmapped(run, unmapped);
       what +=
           fmt::format("{}{} of {}", what.empty() ? "" : ", ", run.name, counted(run.poses.size(), "image"));
