@@ -166,8 +166,6 @@ private:
   }
 
   int renderMap(const Console& console) const {
-    if (!map_.empty())
-      throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
     requirePng(output_);
     requireReplaceable(output_);
     const Map map = readMap(input_);
@@ -298,8 +296,6 @@ private:
   }
 
   int renderMapPage(const Console& console) const {
-    if (!map_.empty())
-      throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
     const auto map = std::make_shared<const Map>(openMap(input_));
     MapPage page;
     page.title = "Map " + fs::path(input_).stem().string();
@@ -356,6 +352,8 @@ private:
     const bool is_map = text::lowerExtension(input_) == ".flmap";
     if (is_page && !overwrite_) requireReplaceable(output_);
     if (self_ && !(is_page && is_map)) throw UsageError("--self goes with the page of a map");
+    if (is_map && !map_.empty())
+      throw UsageError(fmt::format("--map goes with images and results; {} is a map itself", input_));
     if (is_page) {
       if (is_map) return renderMapPage(console);
       if (!isResultsFolder(input_))
