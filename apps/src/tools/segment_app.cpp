@@ -102,43 +102,37 @@ private:
   };
 
   /** One per thread: keeps its buffers from image to image as long as these are of the same camera. */
-  class Worker {
-  public:
-    Worker(const SegmentApp& app, const CommandLine& line) : app_(app), line_(line) {}
-
-    std::size_t process(const Image& image) {
-      if (image.sequence != sequence_)
-        builder_.emplace(app_.input_.camera(image.sequence->camera(), line_), app_.input_.view);
-      sequence_ = image.sequence;
-
-      const DepthImage full = image.sequence->load(image.index),
-                       depth = workingImage(full, app_.input_.width);
-      const View view = builder_->build(depth);
-      const LabelImage& labels = builder_->segmentation().labels;
-      const fs::path base = fs::path(app_.folder_) / image.name;
-      if (app_.labels_) writeLabels(base.string() + kLabels, labels);
-      if (app_.overlay_) writePng(base.string() + kOverlay, overlay(depth, labels));
-      if (app_.pcd_) writeCloud(image, full, fullLabels(labels, full, app_.input_.width), coloursOf(view));
-      if (app_.ply_) writePolygons(base.string() + kPolygons, polygonsOf(view));
-      writeSegments(app_.segmentsOf(image), view.segments);
-      return view.segments.size();
-    }
-
-  private:
-    void writeCloud(const Image& image, const DepthImage& depth, const LabelImage& labels,
-                    const std::vector<PointColour>& colours) const {
-      const fs::path path = fs::path(app_.folder_) / (image.stem + kCloud);
-      if (const auto pixels = image.sequence->pixelsOfPoints(image.index))
-        writeLabelledCloud(path, image.file().path, *pixels, labels, colours);
-      else
-        writeLabelledCloud(path, depth, labels, colours);
-    }
-
-    const SegmentApp& app_;
-    const CommandLine& line_;
-    std::optional<ViewBuilder> builder_;
-    const DepthSequence* sequence_ = nullptr;  // sequence of the last image
+  struct Worker {
+    std::optional<ViewBuilder> builder{};
+    const DepthSequence* sequence = nullptr;  // sequence of the last image
   };
+
+  /** Writes the results of an image. \return the number of its segments */
+  std::size_t process(const Image& image, Worker& worker, const CommandLine& line) const {
+    if (image.sequence != worker.sequence)
+      worker.builder.emplace(input_.camera(image.sequence->camera(), line), input_.view);
+    worker.sequence = image.sequence;
+
+    const DepthImage full = image.sequence->load(image.index), depth = workingImage(full, input_.width);
+    const View view = worker.builder->build(depth);
+    const LabelImage& labels = worker.builder->segmentation().labels;
+    const std::string base = (fs::path(folder_) / image.name).string();
+    if (labels_) writeLabels(base + kLabels, labels);
+    if (overlay_) writePng(base + kOverlay, overlay(depth, labels));
+    if (pcd_) writeCloud(image, full, fullLabels(labels, full, input_.width), coloursOf(view));
+    if (ply_) writePolygons(base + kPolygons, polygonsOf(view));
+    writeSegments(segmentsOf(image), view.segments);
+    return view.segments.size();
+  }
+
+  void writeCloud(const Image& image, const DepthImage& depth, const LabelImage& labels,
+                  const std::vector<PointColour>& colours) const {
+    const fs::path path = fs::path(folder_) / (image.stem + kCloud);
+    if (const auto pixels = image.sequence->pixelsOfPoints(image.index))
+      writeLabelledCloud(path, image.file().path, *pixels, labels, colours);
+    else
+      writeLabelledCloud(path, depth, labels, colours);
+  }
 
   std::array<Output, 5> outputs(const std::string& name, const std::string& stem) const {
     return {{{name + kSegmentEnding, true},
@@ -297,10 +291,10 @@ private:
     using Images = std::vector<std::size_t>;  // among all
     using Segmentation = SharedBatch<Images, std::size_t>;
     Segmentation batch(threads(), console, [&](const Images& images, int n) -> Segmentation::Work {
-      const auto workers = std::make_shared<std::vector<Worker>>(n, Worker(*this, line));
+      const auto workers = std::make_shared<std::vector<Worker>>(n);
       return {[&all, images](std::size_t i) { return all[images[i]].file().path.string(); },
-              [&all, images, workers](std::size_t i, int worker) {
-                return (*workers)[worker].process(all[images[i]]);
+              [&, images, workers](std::size_t i, int worker) {
+                return process(all[images[i]], (*workers)[worker], line);
               }};
     });
     if (batch.helped()) return kOk;
