@@ -68,34 +68,42 @@ std::string rigLine(const RigFile& rig) {
                      text::shortest(rig.rotation_std / kDegree), text::shortest(rig.translation_std));
 }
 
-SideViews::SideViews(const std::vector<SideRecording>& sides, const DepthInput& input,
-                     std::function<std::optional<Eigen::Isometry3d>(double)> odometry,
-                     const OdometryError& error, const std::optional<CameraMounting>& mounting)
-    : sides_(sides), width_(input.width), odometry_(std::move(odometry)), error_(error), mounting_(mounting) {
-  for (const SideRecording& side : sides) builders_.emplace_back(side.camera, input.view);
+RigViews::RigViews(const DepthSequence& sequence, const Camera& camera,
+                   const std::vector<SideRecording>& sides, const DepthInput& input, PosesByTime odometry,
+                   const OdometryError& error)
+    : sequence_(sequence),
+      sides_(sides),
+      width_(input.width),
+      builder_(camera, input.view),
+      odometry_(std::move(odometry)),
+      error_(error) {
+  for (const SideRecording& side : sides) side_builders_.emplace_back(side.camera, input.view);
 }
 
-View SideViews::joinedTo(View first, double stamp) {
-  milliseconds_ = 0;
+View RigViews::at(std::size_t image, const std::optional<Gravity>& gravity) {
+  const double stamp = sequence_.frames()[image].stamp;
+  View first = viewOf(sequence_, image, width_, builder_, gravity);
+  sides_milliseconds_ = 0;
   std::vector<PosedView> others;
   for (std::size_t k = 0; k < sides_.size(); ++k) {
-    const auto image = imageAt(sides_[k].sequence, stamp);
-    if (!image) continue;
-    auto view = std::make_shared<const View>(viewOf(sides_[k].sequence, *image, width_, builders_[k]));
-    others.push_back(
-        {std::move(view), motion(stamp, sides_[k].sequence.frames()[*image].stamp) * sides_[k].T_first_c});
-    milliseconds_ += builders_[k].segmentMilliseconds() + builders_[k].featuresMilliseconds();
+    const auto& [sequence, camera, T_first_c] = sides_[k];
+    const auto beside = imageAt(sequence, stamp);
+    if (!beside) continue;
+    auto view = std::make_shared<const View>(viewOf(sequence, *beside, width_, side_builders_[k]));
+    others.push_back({std::move(view), motion(stamp, sequence.frames()[*beside].stamp) * T_first_c});
+    sides_milliseconds_ += side_builders_[k].segmentMilliseconds() + side_builders_[k].featuresMilliseconds();
   }
   if (others.empty()) return first;
   return joined(first, others);
 }
 
 // The motion of the first camera between two times.
-PoseWithCovariance SideViews::motion(double from, double to) const {
+PoseWithCovariance RigViews::motion(double from, double to) const {
   if (from == to) return {};
   const auto before = odometry_ ? odometry_(from) : std::nullopt,
              after = odometry_ ? odometry_(to) : std::nullopt;
-  if (before && after) return motionByOdometry(before->inverse() * *after, mounting_, error_);
+  if (before && after)
+    return motionByOdometry(before->inverse() * *after, builder_.camera().mounting, error_);
   Vector6d std;
   std << Eigen::Vector3d::Constant(kTurnRate * (to - from)), Eigen::Vector3d::Constant(kSpeed * (to - from));
   return {Eigen::Isometry3d::Identity(), std.cwiseAbs2().asDiagonal()};

@@ -4,9 +4,9 @@
 #include "inputs/depth_input.h"
 
 #include <facetloc/io/rig_file.h>
+#include <facetloc/mapping/map_image.h>
 #include <facetloc/registration/pose_prior.h>
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,30 +31,32 @@ std::vector<Eigen::Isometry3d> posesOf(const std::vector<SideRecording>& sides);
 /** \brief The rig as it is recorded beside results: a comment of a file of parameters. */
 std::string rigLine(const RigFile& rig);
 
-/** \brief Joins views of the first camera of a rig with those of the others at the same moment: their nearest
- * images within 0.1 s. The motion between two images is the odometry's, or else unknown, of a walk. One per
- * thread. */
-class SideViews {
+/** \brief Makes the views of the first camera of a rig, joined with those of the others at the same moment:
+ * their nearest images within 0.1 s. The motion between two images is the odometry's, or else unknown, of a
+ * walk. One per thread. */
+class RigViews {
 public:
-  /** \param sides must outlive it \param odometry of the first camera, T_o_c; may be empty */
-  SideViews(const std::vector<SideRecording>& sides, const DepthInput& input,
-            std::function<std::optional<Eigen::Isometry3d>(double stamp)> odometry,
-            const OdometryError& error, const std::optional<CameraMounting>& mounting);
-  /** \brief The view itself without others. \param stamp of the view [s] */
-  View joinedTo(View first, double stamp);
-  /** \brief Time for making the others' views of the last one [ms]. */
-  double milliseconds() const { return milliseconds_; }
+  /** \param sequence of the first camera; this and the sides must outlive it \param odometry of the first
+   * camera, T_o_c; may be empty */
+  RigViews(const DepthSequence& sequence, const Camera& camera, const std::vector<SideRecording>& sides,
+           const DepthInput& input, PosesByTime odometry, const OdometryError& error);
+  /** \brief The view of an image of the first camera; the view itself without others. */
+  View at(std::size_t image, const std::optional<Gravity>& gravity);
+  /** \brief Time for the segments of the last view, with all for the others' [ms]. */
+  double segmentMilliseconds() const { return builder_.segmentMilliseconds() + sides_milliseconds_; }
+  double featuresMilliseconds() const { return builder_.featuresMilliseconds(); }
 
 private:
   PoseWithCovariance motion(double from, double to) const;
 
+  const DepthSequence& sequence_;
   const std::vector<SideRecording>& sides_;
-  std::vector<ViewBuilder> builders_;  // one per side
   int width_;
-  std::function<std::optional<Eigen::Isometry3d>(double)> odometry_;
+  ViewBuilder builder_;
+  std::vector<ViewBuilder> side_builders_;
+  PosesByTime odometry_;
   OdometryError error_;
-  std::optional<CameraMounting> mounting_;
-  double milliseconds_ = 0;
+  double sides_milliseconds_ = 0;
 };
 
 }  // namespace facetloc

@@ -87,17 +87,6 @@ std::string firstSure(const std::vector<FrameResult>& results) {
   return fmt::format(", first sure at image {}", first - results.begin() + 1);
 }
 
-/** Makes the view of an image, joined with those of other cameras. */
-struct Seeing {
-  ViewBuilder builder;
-  SideViews sides;
-
-  View at(const DepthSequence& sequence, std::size_t index, int width, const GravityOption& gravity) {
-    const double stamp = sequence.frames()[index].stamp;
-    return sides.joinedTo(viewOf(sequence, index, width, builder, gravity.at(stamp)), stamp);
-  }
-};
-
 void noteWithoutOdometry(const DepthSequence& sequence, const PosesByTime& odometry, const Console& console) {
   if (!odometry) return;
   const auto& frames = sequence.frames();
@@ -255,33 +244,31 @@ private:
         if (advising) answer.next_look = localizer->nextLook(view, answer);
         return answer;
       };
-    const auto all = std::make_shared<std::vector<Seeing>>(workers, seeing(task));
+    const auto all = std::make_shared<std::vector<RigViews>>(workers, viewsOf(task));
     return {[&task, images](std::size_t i) { return task.frames()[images[i]].path.string(); },
             [this, &task, images, locate, all](std::size_t i, int worker) {
               return localized(task, images[i], (*all)[worker], locate);
             }};
   }
 
-  LocalizedImage localized(const Task& task, std::size_t index, Seeing& seen, const Locate& locate) const {
+  LocalizedImage localized(const Task& task, std::size_t index, RigViews& views, const Locate& locate) const {
     const FrameFile& file = task.frames()[index];
-    const View view = seen.at(task.sequence, index, input_.width, gravity_);
+    const View view = views.at(index, gravity_.at(file.stamp));
     const Clock::time_point start = Clock::now();
     const Localization answer = locate(view, file.stamp);
     LocalizedImage image;
     auto& [result, traits] = image;
     result.stamp = file.stamp;
-    result.timing = {file.name, seen.builder.segmentMilliseconds() + seen.sides.milliseconds(),
-                     seen.builder.featuresMilliseconds(), millisecondsSince(start),
-                     static_cast<int>(task.map->models.size())};
+    result.timing = {file.name, views.segmentMilliseconds(), views.featuresMilliseconds(),
+                     millisecondsSince(start), static_cast<int>(task.map->models.size())};
     result.rows = resultRows(file.name, answer, *task.map, max_hypotheses_);
     traits = ViewTraits::of(view);
     traits.noise = view.noise();
     return image;
   }
 
-  Seeing seeing(const Task& task) const {
-    return {ViewBuilder(task.camera, input_.view),
-            SideViews(task.sides, input_, task.odometry, odometry_error_, task.camera.mounting)};
+  RigViews viewsOf(const Task& task) const {
+    return {task.sequence, task.camera, task.sides, input_, task.odometry, odometry_error_};
   }
 
   /** \param localized the images of the drive */
@@ -338,10 +325,10 @@ private:
     const std::vector<FrameFile>& frames = task.frames();
     std::vector<View> views(frames.size());
     Batch views_of(threads(), frames.size(), console);
-    std::vector<Seeing> of_workers(views_of.workers(), seeing(task));
+    std::vector<RigViews> of_workers(views_of.workers(), viewsOf(task));
     views_of.run([&](std::size_t i) { return frames[i].path.string(); },
                  [&](std::size_t i, int worker) {
-                   views[i] = of_workers[worker].at(task.sequence, i, input_.width, gravity_);
+                   views[i] = of_workers[worker].at(i, gravity_.at(frames[i].stamp));
                  });
     const std::size_t n = (frames.size() + starts_ - 1) / starts_;
     std::vector<std::vector<StartAnswer>> found(n);
