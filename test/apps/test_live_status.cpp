@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/stop_signal.h"
+#include "cli/progress.h"
 #include "live/live_status.h"
 #include "live/live_trajectory.h"
 

@@ -3,7 +3,6 @@
 
 #include "cli/app.h"
 #include "cli/progress.h"
-#include "cli/stop_signal.h"
 
 #include <algorithm>
 #include <condition_variable>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/progress.h"
 
+#include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <fmt/core.h>
@@ -16,6 +17,17 @@ std::string duration(double seconds) {
   if (s < 120) return fmt::format("{} s", s);
   if (s < 7200) return fmt::format("{} min", (s + 30) / 60);
   return fmt::format("{:.1f} h", static_cast<double>(s) / 3600);
+}
+
+std::atomic<bool> g_raised{false};  // StopSignal's flag, which all threads look at
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+int g_objects = 0;  // StopSignals that live
+
+/** Handles either signal once: the next one, of whichever kind, has its usual effect. */
+void raiseFlag(int) {
+  g_raised = true;
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
 }
 
 }  // namespace
@@ -133,5 +145,23 @@ Console Heartbeat::console(std::ostream& out) const {
 Console Heartbeat::console() const { return console(out_); }
 
 double Heartbeat::seconds() const { return watch_->seconds(); }
+
+StopSignal::StopSignal() {
+  if (g_objects++ == 0) g_raised = false;
+  struct sigaction action = {};
+  action.sa_handler = raiseFlag;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, &interrupt_before_);
+  sigaction(SIGTERM, &action, &terminate_before_);
+}
+
+StopSignal::~StopSignal() {
+  --g_objects;
+  sigaction(SIGINT, &interrupt_before_, nullptr);
+  sigaction(SIGTERM, &terminate_before_, nullptr);
+}
+
+bool StopSignal::raised() const { return g_raised; }
 
 }  // namespace facetloc

@@ -5,11 +5,15 @@
 #include "cli/text.h"
 
 #include <chrono>
+#include <csignal>
 #include <cstddef>
 #include <memory>
 #include <mutex>
 #include <ostream>
 #include <string>
+
+/** \file
+ * Long work as a person at a terminal sees it, and ends it. */
 
 namespace facetloc {
 
@@ -62,6 +66,23 @@ private:
   std::unique_ptr<Watch> watch_;
   Relay out_relay_, err_relay_;
   mutable std::ostream out_{&out_relay_}, err_{&err_relay_};
+};
+
+/** \brief Turns the first Ctrl-C or SIGTERM into a flag, for as long as the object lives; the second one
+ * kills as ever. Objects may be nested: the flag stays raised until the outermost one is gone. They are made
+ * and destroyed by one thread. */
+class StopSignal {
+public:
+  StopSignal();
+  ~StopSignal();
+  StopSignal(const StopSignal&) = delete;
+  StopSignal& operator=(const StopSignal&) = delete;
+
+  bool raised() const;
+
+private:
+  struct sigaction interrupt_before_ = {};
+  struct sigaction terminate_before_ = {};
 };
 
 }  // namespace facetloc

@@ -3,7 +3,7 @@
 
 #include "base/text.h"
 #include "cli/findings_file.h"
-#include "cli/stop_signal.h"
+#include "cli/progress.h"
 #include "cli/text.h"
 #include "drawing/offscreen_display.h"
 #include "inputs/depth_input.h"

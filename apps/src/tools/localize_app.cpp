@@ -5,7 +5,6 @@
 #include "batch/shared_batch.h"
 #include "cli/findings_file.h"
 #include "cli/progress.h"
-#include "cli/stop_signal.h"
 #include "cli/text.h"
 #include "cli/tools.h"
 #include "inputs/depth_input.h"
