@@ -1,10 +1,68 @@
-// Draws the charts of a report with Chart.js. The rows of the data are described in evaluation_charts.h.
+// Draws the plan of a report, and its charts with Chart.js. The data are described in evaluation_pictures.h and evaluation_report.h.
 (function () {
   'use strict';
-  const data = JSON.parse(document.getElementById('data').textContent);
+  const {plan, charts: data} = JSON.parse(document.getElementById('data').textContent);
   const charts = document.getElementById('charts'), FIRST = 3;  // shown at once, the rest unfolded
   const BLUE = '#1f77b4', GREEN = '#2ca02c', ORANGE = '#ff7f0e', RED = '#c82828', GREY = '#888888';
   const COLOURS = [BLUE, GREEN, ORANGE, '#9467bd', '#8c564b', '#e377c2', '#17becf'];
+
+  /** An element of SVG, put into another one. */
+  function shape(parent, name, attributes) {
+    const made = document.createElementNS('http://www.w3.org/2000/svg', name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    return parent.appendChild(made);
+  }
+
+  /** The map from above, and where the images are, in the colours of their answers. Nearly all ends of segments are in the picture: segments
+      far outside, as through windows, do not count. */
+  function drawPlan({tall = [], low = [], models = [], answers = {}}) {
+    const WIDTH = 720, HIGHEST = 520, MARGIN = 12, BAR = 24, RADIUS = 4, NEEDLE = 9;  // [px]
+    const LEAST = 500, OUTSIDE = 0.02, MOST = 0.25;  // [mm], share of the ends, [px/mm]
+    const COLOUR = {sure: '#009e73', doubtful: '#e69f00', unknown: '#8a8f99', 'sure and wrong': '#d62728'};
+    const CAPTION = 'The map from above, and its answers.';
+    const shown = Object.keys(COLOUR).filter((state) => answers[state]);
+    const range = (axis) => {
+      const every = (values, n) => values.filter((_, i) => i % n === axis);
+      const ends = every([...tall, ...low], 2).sort((a, b) => a - b), cut = Math.floor(OUTSIDE * (ends.length - 1));
+      const inside = [...ends.slice(cut, ends.length - cut), ...every(models, 2), ...shown.flatMap((state) => every(answers[state], 4))];
+      const least = inside.reduce((a, b) => Math.min(a, b)), most = inside.reduce((a, b) => Math.max(a, b));
+      return {middle: (least + most) / 2, size: most - least};
+    };
+    const x = range(0), y = range(1), scale = Math.min(WIDTH / Math.max(x.size, LEAST), HIGHEST / Math.max(y.size, LEAST), MOST);
+    const height = Math.max(120, Math.ceil(scale * y.size));
+    const right = (value) => MARGIN + WIDTH / 2 + scale * (value - x.middle), down = (value) => MARGIN + height / 2 - scale * (value - y.middle);
+    const place = (values, i) => right(values[i]).toFixed(1) + ' ' + down(values[i + 1]).toFixed(1);
+    const lines = (ends) => {
+      const path = [];
+      for (let i = 0; i < ends.length; i += 4) path.push('M' + place(ends, i) + 'L' + place(ends, i + 2));
+      return path.join('');
+    };
+
+    const figure = document.createElement('figure'), legend = document.createElement('p');
+    const svg = shape(figure, 'svg', {viewBox: `0 0 ${WIDTH + 2 * MARGIN} ${height + 2 * MARGIN + BAR}`, role: 'img', 'aria-label': CAPTION});
+    shape(svg, 'path', {class: 'low', d: lines(low)});
+    shape(svg, 'path', {class: 'wall', d: lines(tall)});
+    for (const state of shown) {
+      const poses = answers[state], colour = COLOUR[state];
+      for (let i = 0; i < poses.length; i += 4) {
+        const ahead = Math.hypot(poses[i + 2], poses[i + 3]), needle = (k) => (NEEDLE * poses[i + k] / ahead).toFixed(1);
+        if (ahead > 100) shape(svg, 'path', {d: `M${place(poses, i)}l${needle(2)} ${-needle(3)}`, stroke: colour, 'stroke-width': 2});
+        shape(svg, 'circle', {cx: right(poses[i]), cy: down(poses[i + 1]), r: RADIUS, fill: colour});
+      }
+      const entry = legend.appendChild(document.createElement('span'));
+      entry.appendChild(document.createElement('i')).style.background = colour;
+      entry.append(`${state} (${poses.length / 4})`);
+      legend.append(' ');
+    }
+    const power = Math.pow(10, Math.floor(Math.log10(120 / scale))), length = [5, 2, 1].find((f) => f * power <= 120 / scale) * power;
+    const end = MARGIN + WIDTH, level = MARGIN + height + 10;
+    shape(svg, 'path', {class: 'bar', d: `M${end - scale * length} ${level}H${end}`});
+    shape(svg, 'text', {x: end, y: level + 15, 'text-anchor': 'end'}).textContent = Number((length / 1000).toPrecision(1)) + ' m';
+    legend.className = 'legend';
+    if (shown.length > 0) figure.appendChild(legend);
+    figure.appendChild(document.createElement('figcaption')).textContent = CAPTION;
+    document.getElementById('plan').replaceChildren(figure);
+  }
 
   function applyColours() {
     const style = getComputedStyle(document.documentElement);
@@ -130,7 +188,7 @@
     }
   }
 
-  function drawPlan(of) {
+  function drawTrajectory(of) {
     level(draw(
         'From above', {x: axis('[m]'), y: axis('[m]')},
         [curve('estimated', BLUE, columns(of.estimated, 0, 1)), curve('true', GREY, columns(of.true, 0, 1), {borderWidth: 4})],
@@ -143,6 +201,8 @@
         [curve('', colour, columns(data.errors, 0, column))]);
   }
 
+  if (plan) drawPlan(plan);
+  if (!data) return;
   applyColours();
   charts.textContent = '';
   if (data.starts && data.starts.images) drawStarts('Images since the start', data.starts.images);
@@ -152,7 +212,7 @@
   if (data.orientation) drawErrors('Error in orientation', 'Orientation error [deg]', 'deg', 1, data.orientation);
   if (data.planes) drawShares('Correct by what is in view', 'True planes in view', data.planes);
   if (data.starts && data.starts.metres) drawStarts('Distance travelled since the start [m]', data.starts.metres);
-  if (data.plan) drawPlan(data.plan);
+  if (data.plan) drawTrajectory(data.plan);
   if (data.errors) {
     drawTrajectoryError('Error of the position after alignment', '[mm]', 1, BLUE);
     drawTrajectoryError('Error of the orientation after alignment', '[deg]', 2, ORANGE);

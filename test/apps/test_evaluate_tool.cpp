@@ -21,7 +21,7 @@ TEST_F(Tools, EvaluateDistinguishesThePlacesOfBothRuns) {
                      "TIME PER IMAGE"));
   EXPECT_THAT(contentOf(folder_ / "results/evaluation/report.html"),
               HasAll("<title>Localization of " + fs::path(place).filename().string() + "</title>",
-                     "TABLE II.", "class=\"plan\"", "Fig. 5"));
+                     "TABLE II.", "id=\"plan\"", "Fig. 5"));
   const Raster<std::uint8_t> examples = readRgbPng(folder_ / "results/evaluation/fig5.png");
   EXPECT_GT(examples.height, examples.width / 2) << "four rows of two runs";
   ok(runTool<evaluateApp>(arguments + Arguments{"-o", folder_ / "again"}));

@@ -62,7 +62,7 @@ TEST_F(Tools, TryNeedsNoTruth) {
   fs::remove(blind + "/groundtruth.txt");
   ok(runTool<tryApp>({map_run(), blind, "-o", folder}));
   const std::string report = contentOf(folder + "/report.html");
-  EXPECT_THAT(report, HasAll("have a sure answer", "class=\"plan\"", Not(HasSubstr("TABLE"))));
+  EXPECT_THAT(report, HasAll("have a sure answer", "id=\"plan\"", Not(HasSubstr("TABLE"))));
   EXPECT_FALSE(fs::exists(folder + "/details/tables.csv"));
 }
 

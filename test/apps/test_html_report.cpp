@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "browser.h"
 #include "drawing/html_text.h"
+#include "evaluation/evaluation_pictures.h"
 #include "evaluation/html_report.h"
 #include "evaluation/verdict.h"
+#include "example_scene.h"
 #include "tool_runner.h"
 
 #include <facetloc/io/error.h>
@@ -160,7 +162,7 @@ TEST_F(EvaluationHtml, BeginsWithTheVerdict) {
   EvaluationReport report = exampleReport();
   report.results = "above/results <1>/";
   ReportFigures figures;
-  figures.plan = "<svg></svg>";
+  figures.plan["models"].append(0);
   figures.map_page = true;
   writeHtmlReport(folder_ / "", report, figures);
   const std::string html = contentOf(folder_ / "report.html");
@@ -173,8 +175,8 @@ TEST_F(EvaluationHtml, BeginsWithTheVerdict) {
     EXPECT_GT(html.find(htmlEscaped(sentence)), at);
     at = html.find(htmlEscaped(sentence));
   }
-  EXPECT_LT(at, html.find("<svg></svg>"));
-  EXPECT_LT(html.find("<svg></svg>"), html.find("<b>50\u00a0%</b>of the images have a sure answer"));
+  EXPECT_LT(at, html.find("id=\"plan\""));
+  EXPECT_LT(html.find("id=\"plan\""), html.find("<b>50\u00a0%</b>of the images have a sure answer"));
   EXPECT_LT(html.find("href=\"map.html\""), html.find("<h2>Charts</h2>"));
   EXPECT_LT(html.find("<h2>Images that miss</h2>"), html.find("<table"));
 }
@@ -238,7 +240,34 @@ TEST(ChartData, IsThatOfATrajectory) {
   EXPECT_THAT(numbers(data["errors"][0]), testing::ElementsAre(7, 500, 4));
 }
 
-TEST_F(EvaluationHtml, DrawsItsChartsInABrowser) {
+/** A right answer of exampleReport() at one place, and a wrong one at another. */
+Json::Value examplePlan(const Map& map) {
+  MapPage page;
+  for (const char* frame : {"1001", "1002"}) {
+    PageAnswer answer;
+    answer.run = "query";
+    answer.frame = frame;
+    answer.state = AnswerState::sure;
+    answer.wrong = !page.answers.empty();
+    answer.truth = ExampleScene::pose(static_cast<double>(page.answers.size()), 0, 90);
+    page.answers.push_back(answer);
+  }
+  return planData(map, exampleReport().evaluation, page);
+}
+
+TEST(PlanData, HasWallsModelsAndAnswers) {
+  Map map = ExampleScene().map();
+  const Json::Value data = examplePlan(map);
+  EXPECT_GT(data["tall"].size(), 0u);
+  EXPECT_EQ(data["tall"].size() % 4, 0u);
+  EXPECT_EQ(data["models"].size(), 2 * map.models.size());
+  EXPECT_THAT(data["answers"].getMemberNames(), testing::ElementsAre("sure", "sure and wrong"));
+  EXPECT_EQ(numbers(data["answers"]["sure and wrong"])[0], 1000);
+  for (LocalModel& model : map.models) model.T_w_m.reset();
+  EXPECT_THROW(examplePlan(map), IoError);
+}
+
+TEST_F(EvaluationHtml, DrawsItsPlanAndChartsInABrowser) {
   EvaluationReport report = exampleReport();
   report.summaries[0].name = "</script><img src=x>";
   writeHtmlReport(folder_ / "", report, {});
@@ -249,6 +278,10 @@ TEST_F(EvaluationHtml, DrawsItsChartsInABrowser) {
     EXPECT_THAT(html, AllOf(HasSubstr("facetloc was built without Chart.js"), Not(HasSubstr("<script"))));
     GTEST_SKIP() << "no Chart.js: install libjs-chart.js";
   }
+  ReportFigures figures;
+  figures.plan = examplePlan(ExampleScene().map());
+  writeHtmlReport(folder_ / "", report, figures);
+  html = contentOf(folder_ / "report.html");
   const Browser browser;
   if (!browser.available()) GTEST_SKIP() << "no browser: install chromium";
   // Each canvas must have pixels of the colours of curves, which are not grey.
@@ -263,7 +296,9 @@ TEST_F(EvaluationHtml, DrawsItsChartsInABrowser) {
   EXPECT_THAT(Browser::consoleOf(run), testing::IsEmpty());
   EXPECT_EQ(countOf(run.out, "data-drawn=\"yes\""), 5u);
   EXPECT_EQ(countOf(run.out, "data-drawn=\"no\""), 0u);
-  EXPECT_THAT(run.out, Not(HasSubstr("<img")));
+  EXPECT_EQ(countOf(run.out, "<circle"), 2u);
+  EXPECT_THAT(run.out, HasAll("class=\"wall\" d=\"M", "sure (1)", "sure and wrong (1)", " m</text>",
+                              Not(HasSubstr("unknown (")), Not(HasSubstr("<img"))));
 }
 
 }  // namespace

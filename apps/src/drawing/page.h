@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "drawing/box.h"
 #include "drawing/colours.h"
 
 #include <facetloc/io/png.h>
@@ -18,6 +17,18 @@
 class vtkImageData;
 
 namespace facetloc {
+
+/** \brief A rectangle of a page, from its top left corner [px]. */
+struct Box {
+  double left = 0;
+  double top = 0;
+  double width = 0;
+  double height = 0;
+
+  double right() const { return left + width; }
+  double bottom() const { return top + height; }
+  Eigen::Vector2d centre() const { return {left + width / 2, top + height / 2}; }
+};
 
 struct Pen {
   Colour colour;

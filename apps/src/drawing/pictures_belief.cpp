@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing/floor_plan.h"
 #include "drawing/pictures.h"
 #include "drawing/plan_marks.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing/floor_plan.h"
+#include "drawing/pictures.h"
 #include "drawing/plan_marks.h"
 
 #include <algorithm>
@@ -130,7 +130,11 @@ void drawScaleBar(Page& page, const PlanScale& scale, double right, double y) {
 void drawPicture(const std::filesystem::path& path, const FloorPlan& plan, const std::vector<DrawnRun>& runs,
                  const std::vector<DrawnMarks>& marks, const OccupancyGrid* grid) {
   Eigen::AlignedBox2d extent = plan.extent();
-  extend(extent, plan.view, runs, marks);
+  const auto extend = [&](const auto& drawn) {
+    for (const Eigen::Isometry3d& T : drawn.T_w_c) extent.extend(plan.view.point(T.translation()));
+  };
+  std::for_each(runs.begin(), runs.end(), extend);
+  std::for_each(marks.begin(), marks.end(), extend);
   if (grid)
     for (const int x : {0, grid->width - 1})
       for (const int y : {0, grid->height - 1}) extent.extend(grid->centre(x, y));

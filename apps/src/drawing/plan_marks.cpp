@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/plan_marks.h"
 
-#include "drawing/floor_plan.h"
+#include "drawing/plan_view.h"
 
 #include <algorithm>
 
 namespace facetloc {
+
+double pixelsPerMetreFor(const Eigen::AlignedBox2d& extent, double width, double height) {
+  constexpr double kMost = 250;
+  const Eigen::Vector2d size = extent.sizes().cwiseMax(kLeastExtent);
+  return std::min({width / size.x(), height / size.y(), kMost});
+}
 
 void drawWall(Page& page, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double height) {
   constexpr Colour kWall = {40, 40, 40};

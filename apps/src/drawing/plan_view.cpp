@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/plan_view.h"
 
+#include <facetloc/features/map_parts.h>
+#include <facetloc/io/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -90,6 +93,44 @@ std::optional<PlanLine> PlanView::line(const Segment& segment, const Eigen::Isom
   }
   const Eigen::Vector3d centre = T_w_m * segment.t;
   return PlanLine{point(centre + first * along), point(centre + last * along), highest - lowest};
+}
+
+Eigen::AlignedBox2d FloorPlan::extent() const {
+  Eigen::AlignedBox2d extent;
+  for (const PlanLine& wall : walls) extent.extend(wall.from), extent.extend(wall.to);
+  for (const Eigen::Isometry3d& T : models) extent.extend(view.point(T.translation()));
+  return extent;
+}
+
+FloorPlan floorPlan(const Map& map, int part) {
+  FloorPlan plan{PlanView(upInPart(map, part)), {}, {}, {}};
+  for (std::size_t i = 0; i < map.models.size(); ++i) {
+    const LocalModel& model = map.models[i];
+    if (!model.T_w_m || model.part != part) continue;
+    plan.models.push_back(*model.T_w_m);
+    for (const Segment& segment : map.view(static_cast<int>(i))->segments)
+      if (const auto line = plan.view.line(segment, *model.T_w_m)) plan.walls.push_back(*line);
+  }
+  for (const Link& link : map.links) {
+    const auto &from = map.models[link.from].T_w_m, &to = map.models[link.to].T_w_m;
+    if (from && to && map.models[link.from].part == part)
+      plan.links.push_back({from->translation(), to->translation()});
+  }
+  return plan;
+}
+
+FloorPlan floorPlan(const Map& map, const std::filesystem::path& picture) {
+  if (std::none_of(map.models.begin(), map.models.end(),
+                   [](const LocalModel& m) { return m.T_w_m.has_value(); }))
+    throw IoError(picture.string(), "cannot be drawn: no local model of the map has a pose");
+  return floorPlan(map, mainPart(map));
+}
+
+double roundLength(double length) {
+  const double power = std::pow(10, std::floor(std::log10(length)));
+  for (const double factor : {5.0, 2.0})
+    if (factor * power <= length) return factor * power;
+  return power;
 }
 
 }  // namespace facetloc

@@ -4,6 +4,8 @@
 #include <facetloc/features/local_model.h>
 #include <facetloc/io/trajectory.h>
 
+#include <array>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -44,5 +46,25 @@ private:
   Eigen::Vector3d up_;
   Eigen::Matrix<double, 2, 3> axes_;  // rows: to the right, to the top
 };
+
+/** \brief A part of a map seen from above. */
+struct FloorPlan {
+  PlanView view;
+  std::vector<PlanLine> walls;            ///< upright segments
+  std::vector<Eigen::Isometry3d> models;  ///< poses of the local models
+  std::vector<std::array<Eigen::Vector3d, 2>> links;
+
+  Eigen::AlignedBox2d extent() const;
+};
+/** \brief Models without a pose are left out. */
+FloorPlan floorPlan(const Map& map, int part);
+/** \brief The main part. Throws IoError, with the name of the picture that was to be, if no model of the map
+ * has a pose. */
+FloorPlan floorPlan(const Map& map, const std::filesystem::path& picture);
+
+/** \brief The largest of 1, 2, 5, 10, ... that does not exceed a length [m]. */
+double roundLength(double length);
+/** \brief Height from which on a segment is drawn darkest [m]. */
+constexpr double kTallestWall = 1.5;
 
 }  // namespace facetloc

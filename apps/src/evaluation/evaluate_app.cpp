@@ -206,7 +206,7 @@ private:
   void addMap(const EvaluationReport& report, const Input& input, ReportFigures& figures) const {
     MapPage page =
         pageOfAnswers(*input.map, input.truth, input.runs, report.evaluation, judgesRelatively(report));
-    figures.plan = planOfAnswers(*input.map, report.evaluation, page);
+    figures.plan = planData(*input.map, report.evaluation, page);
     page.findings = report.findings;
     page.title = fmt::format("{} in {}", titleOf(results_), fs::path(map_).stem().string());
     writeMapPage(fs::path(folder_) / kMapPage, *input.map, page);

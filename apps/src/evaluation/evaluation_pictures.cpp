@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_pictures.h"
 
-#include "drawing/page.h"
 #include "evaluation/evaluation_details.h"
 #include "inputs/depth_input.h"
 
@@ -9,6 +8,7 @@
 #include <facetloc/io/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <iterator>
 #include <map>
@@ -164,6 +164,12 @@ std::vector<Failure> drawnAnswers(const std::vector<FrameEvaluation>& frames,
   return failures;
 }
 
+/** In whole millimetres. */
+void append(const Eigen::Vector2d& metres, Json::Value& numbers) {
+  for (const double value : {metres.x(), metres.y()})
+    numbers.append(static_cast<Json::Int>(std::lround(1000 * value)));
+}
+
 /** The most confident first. */
 std::vector<Failure> failuresOf(const std::vector<FrameEvaluation>& frames,
                                 const std::vector<RunResults>& runs, const Map& map, bool relative) {
@@ -180,24 +186,30 @@ void drawMapOfRuns(const fs::path& path, const Map& map, const PlaceTruth& truth
   drawFloorMap(path, map, drawnRuns(truth), drawnMarks(evaluation, relative));
 }
 
-std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const MapPage& page) {
-  constexpr Colour kSure = {0, 158, 115}, kDoubtful = {230, 159, 0}, kUnknown = {138, 143, 153},
-                   kWrong = {214, 39, 40};
-  std::vector<DrawnMarks> marks = {{"sure", {}, kSure},
-                                   {"doubtful", {}, kDoubtful},
-                                   {"unknown", {}, kUnknown},
-                                   {"sure and wrong", {}, kWrong}};
+Json::Value planData(const Map& map, const Evaluation& evaluation, const MapPage& page) {
+  constexpr std::size_t kMostWalls = 20000;
+  FloorPlan plan = floorPlan(map, "the plan");
+  if (plan.walls.size() > kMostWalls) {
+    const auto length = [](const PlanLine& wall) { return (wall.to - wall.from).squaredNorm(); };
+    std::nth_element(plan.walls.begin(), plan.walls.begin() + kMostWalls, plan.walls.end(),
+                     [&](const PlanLine& a, const PlanLine& b) { return length(a) > length(b); });
+    plan.walls.resize(kMostWalls);
+  }
+  Json::Value data;
+  for (const PlanLine& wall : plan.walls)
+    for (const Eigen::Vector2d& end : {wall.from, wall.to})
+      append(end, data[wall.height < kTallestWall / 2 ? "low" : "tall"]);
+  for (const Eigen::Isometry3d& T : plan.models) append(plan.view.point(T.translation()), data["models"]);
   std::set<std::pair<std::string, std::string>> in_question;
   for (const FrameEvaluation& f : framesInQuestion(evaluation)) in_question.emplace(f.run, f.name);
   for (const PageAnswer& answer : page.answers) {
     if (!in_question.count({answer.run, answer.frame}) || (!answer.truth && answer.places.empty())) continue;
-    marks[answer.wrong                            ? 3
-          : answer.state == AnswerState::sure     ? 0
-          : answer.state == AnswerState::doubtful ? 1
-                                                  : 2]
-        .T_w_c.push_back(answer.truth ? *answer.truth : answer.places.front().T_w_c);
+    const Eigen::Isometry3d& T_w_c = answer.truth ? *answer.truth : answer.places.front().T_w_c;
+    Json::Value& poses = data["answers"][answer.wrong ? "sure and wrong" : toString(answer.state)];
+    append(plan.view.point(T_w_c.translation()), poses);
+    append(plan.view.direction(T_w_c.linear().col(2)), poses);
   }
-  return svgFloorMap(map, {}, marks, "The map from above, and its answers.");
+  return data;
 }
 
 MapPage answerPage(const Map& map, const std::vector<RunResults>& runs, const Evaluation* evaluation,

@@ -19,9 +19,11 @@ namespace facetloc {
 void drawMapOfRuns(const std::filesystem::path& path, const Map& map, const PlaceTruth& truth,
                    const Evaluation& evaluation, bool relative);
 
-/** \brief The map from above as svgFloorMap(), with the images in question in the colours of their answers:
- * where they were taken, or else where the answers say. */
-std::string planOfAnswers(const Map& map, const Evaluation& evaluation, const MapPage& page);
+/** \brief The map from above, for apps/pages/report.js: the ends of upright segments, low and tall, x and y
+ * of each, of which the longest 20 000 are there; the local models; and by the answers' states x, y and the
+ * direction ahead of the images in question, where they were taken, or else where the answers say. Whole
+ * millimetres. Throws IoError if no local model of the map has a pose. */
+Json::Value planData(const Map& map, const Evaluation& evaluation, const MapPage& page);
 
 /** \brief Results as they are shown in their map: the answers of all runs in their order, those of the part
  * of the map that is drawn with their places. Without runs in it, and without a title. Throws

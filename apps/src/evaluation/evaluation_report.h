@@ -9,7 +9,7 @@
 #include <facetloc/features/finding.h>
 
 #include <filesystem>
-#include <json/forwards.h>
+#include <json/value.h>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -82,7 +82,7 @@ struct ReportPicture {
 };
 /** \brief The parts of a report that need the map, the images or a display. */
 struct ReportFigures {
-  std::string plan;                     ///< svgFloorMap() with the answers; may be empty
+  Json::Value plan;                     ///< planData() of the answers; may be null
   bool map_page = false;                ///< map.html lies beside the report
   std::vector<StartCurve> starts;       ///< may be empty
   std::vector<ReportPicture> pictures;  ///< pictures of images with a wrong or missing answer

@@ -11,14 +11,15 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
+#include <json/value.h>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace facetloc {
 
-/** \brief A page in one file: its style, pictures and the script that draws its charts are inside. All texts
- * are plain and escaped here. */
+/** \brief A page in one file: its style, pictures and the script that draws its plan and charts are inside.
+ * All texts are plain and escaped here. */
 class HtmlPage {
 public:
   explicit HtmlPage(std::string title) : title_(std::move(title)) {}
@@ -66,25 +67,23 @@ public:
     open_.pop_back();
   }
 
-  /** \brief Charts, which the page draws, once in a page. Instead of them says that facetloc was built
-   * without Chart.js. \param data chartData() */
-  void charts(const Json::Value& data) {
-    if (!hasPageFile("chart.js"))
+  /** \brief A plan or charts, which the page's script draws, each once in a page. Instead of charts says if
+   * facetloc was built without Chart.js. \param id "plan" with planData(), "charts" with chartData() */
+  void drawing(const std::string& id, const Json::Value& data) {
+    if (id == "charts" && !hasPageFile("chart.js"))
       return paragraph("Charts are missing: facetloc was built without Chart.js, which draws them (Debian's "
                        "libjs-chart.js).");
-    body_ += "<div id=\"charts\"><noscript>Charts need JavaScript.</noscript></div>\n";
-    scripts_ = fmt::format(
-        "<script id=\"data\" type=\"application/json\">{}</script>\n<script>\n{}{}\n{}</script>\n",
-        scriptText(data), pageFile("chart_license.js"), pageFile("chart.js"), pageFile("report.js"));
+    body_ += fmt::format("<div id=\"{}\"><noscript>JavaScript draws this.</noscript></div>\n", id);
+    drawings_[id] = data;
   }
 
-  /** \brief Elements that are HTML already, such as svgFloorMap(). */
+  /** \brief Elements that are HTML already. */
   void insert(const std::string& html) { body_ += html; }
   std::string str() const {
     return filledPage("report.html", {{"TITLE", htmlEscaped(title_)},
                                       {"STYLE", pageFile("report.css")},
                                       {"BODY", body_},
-                                      {"SCRIPTS", scripts_}});
+                                      {"SCRIPTS", scripts()}});
   }
 
 private:
@@ -111,9 +110,18 @@ private:
     return html + "</tr>\n";
   }
 
+  std::string scripts() const {
+    if (drawings_.isNull()) return {};
+    const bool has_charts = drawings_.isMember("charts");
+    return fmt::format("<script id=\"data\" type=\"application/json\">{}</script>\n<script>\n{}{}</script>\n",
+                       scriptText(drawings_),
+                       has_charts ? pageFile("chart_license.js") + pageFile("chart.js") + "\n" : "",
+                       pageFile("report.js"));
+  }
+
   std::string title_;
   std::string body_;
-  std::string scripts_;            // elements
+  Json::Value drawings_;           // data by the id of the element that shows them
   std::vector<std::string> open_;  // elements
 };
 

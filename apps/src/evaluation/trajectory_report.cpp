@@ -119,7 +119,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport
     page.paragraph(fmt::format("That is {:.2f} % of the distance travelled; the largest error is {:.0f} mm.",
                                kPercent * e.absolute.rmse / e.length(), kMillimetres * e.absolute.max));
   page.end();
-  page.charts(chartData(e));
+  page.drawing("charts", chartData(e));
   for (const ReportTable& t : tables(e)) page.table(t.title, t.table);
   page.beginFolded("How it was judged");
   for (const std::string& line : preface(report)) page.paragraph(line);

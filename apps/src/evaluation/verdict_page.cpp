@@ -23,8 +23,8 @@ void addVerdict(const Verdict& verdict, const ReportFigures& figures, HtmlPage& 
   for (const std::string& sentence : verdict.sentences) page.paragraph(sentence);
   page.end();
   for (const std::string& remark : verdict.remarks) page.paragraph(remark);
-  page.begin(figures.plan.empty() ? "first alone" : "first");
-  page.insert(figures.plan);
+  page.begin(figures.plan.isNull() ? "first alone" : "first");
+  if (!figures.plan.isNull()) page.drawing("plan", figures.plan);
   page.insert(figuresOf(verdict.figures));
   page.end();
   if (figures.map_page) page.link("map.html", "The map to turn and to click, with all answers");
@@ -94,7 +94,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport
   addFindings(report.findings, page);
   if (report.isJudged()) {
     page.heading("Charts");
-    page.charts(chartData(report, figures.starts));
+    page.drawing("charts", chartData(report, figures.starts));
     addMisses(report, figures.pictures, page);
     addTables(report, page);
   } else {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "drawing/floor_plan.h"
 #include "drawing/plan_view.h"
 #include "drawing/vtk_shapes.h"
 #include "live/live_look.h"
