@@ -67,7 +67,7 @@ private:
     line.addOption("record", run.recording, "FILE.oni", "Record the device's depth images.");
     line.addOption("odometry", run.odometry, "FILE",
                    "Read wheel odometry and initial poses, as lines of JSON (ROBOT.md); - = standard input.");
-    addMapCovers(line, map_covers_, algorithms_.session.localization.probability);
+    addMapCovers(line, map_covers_, run.session.localization.probability);
     addStartOption(line, run.near);
     line.addOption("remember", run.remember, "FILE",
                    "Keep the last sure pose in this file, and start from it next time.");
@@ -77,18 +77,18 @@ private:
     addMinProbability(line, min_probability_);
     input_.addOptions(line);
     line.rareFromHere();
-    line.addOption("max-frames", run.max_frames, "N", "Stop after N processed frames; 0 = never.");
+    line.addOption("max-frames", run.session.max_frames, "N", "Stop after N processed frames; 0 = never.");
     line.addOption("duration", run.duration, "S", "Stop after this time [s]; 0 = never.");
     line.addOption("every", run.every, "N", "Write a screenshot of every N-th processed frame.");
     line.addSwitch("repeat", run.source.repeat, "Play recordings in a loop.");
     line.addOption("topic", run.source.topic, "NAME",
                    "Topic of the depth images, if messages of several were recorded.");
     line.addOption("speed", run.source.speed, "X", "Playback speed factor; 0 = as fast as possible.");
-    line.addParams(algorithms_.session.localizer, "localizer");
-    line.addParams(algorithms_.session.odometry_error, "odometry_error");
-    addLocalizationOptions(line, algorithms_.session.localization);
-    line.addParams(algorithms_.mapping, "mapping");
-    line.addParams(algorithms_.places, "map");
+    line.addParams(run.session.localizer, "localizer");
+    line.addParams(run.session.odometry_error, "odometry_error");
+    addLocalizationOptions(line, run.session.localization);
+    line.addParams(run.mapping, "mapping");
+    line.addParams(run.places, "map");
     line.addExample("", "the first camera, in a window");
     line.addExample("--device office.scene --map office.flmap", "a simulated camera in a map");
   }
@@ -110,7 +110,7 @@ private:
     if (run_.source.every_frame && (device.empty() || device.front() == '#'))
       throw UsageError("every-frame belongs to a recording: --device FILE");
     if (run_.every < 1) throw UsageError("every must be positive");
-    if (run_.max_frames < 0) throw UsageError("max-frames must not be negative");
+    if (run_.session.max_frames < 0) throw UsageError("max-frames must not be negative");
     if (!(run_.duration >= 0)) throw UsageError("duration must not be negative");
     if (!(run_.source.speed >= 0)) throw UsageError("speed must not be negative");
   }
@@ -170,8 +170,8 @@ private:
   /** Images of a run that was killed are taken up first. */
   void playAndExtend(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
     MapUpdateParams params;
-    params.places = algorithms_.places;
-    params.trajectory = algorithms_.mapping;
+    params.places = options.places;
+    params.trajectory = options.mapping;
     params.view = input_.view;
     LiveRunOptions in_map = options;
     in_map.maps = {options.extend};
@@ -181,14 +181,13 @@ private:
     takeUpSession(options.extend, params, threads(), console);
   }
 
-  void play(const LiveRunOptions& options, const CommandLine& line, const Console& console) const {
-    LiveAlgorithms algorithms = algorithms_;
-    algorithms.camera = [&](const std::optional<CameraFile>& file) { return input_.camera(file, line); };
-    algorithms.session.view = input_.view;
-    algorithms.session.width = input_.width;
-    if (line.given("min-probability")) algorithms.min_probability = min_probability_;
-    algorithms.session.threads = threads();
-    runLive(options, algorithms, console);
+  void play(LiveRunOptions options, const CommandLine& line, const Console& console) const {
+    options.camera = [&](const std::optional<CameraFile>& file) { return input_.camera(file, line); };
+    options.session.view = input_.view;
+    options.session.width = input_.width;
+    options.session.threads = threads();
+    if (line.given("min-probability")) options.min_probability = min_probability_;
+    runLive(options, console);
   }
 
   LiveRunOptions run_;
@@ -196,7 +195,6 @@ private:
   std::string map_covers_;
   double min_probability_ = kMinProbability;
   bool overwrite_ = false, streams_ = false;
-  LiveAlgorithms algorithms_;
 };
 
 }  // namespace

@@ -69,13 +69,13 @@ std::vector<std::string> fileNames(const std::vector<std::string>& paths) {
  * of the session: window, screenshots, and whether it is time to end. */
 class LiveRun {
 public:
-  LiveRun(const LiveRunOptions& options, LiveAlgorithms algorithms, const Console& console)
-      : options_(options), algorithms_(std::move(algorithms)), console_(console), status_(console) {
+  LiveRun(const LiveRunOptions& options, const Console& console)
+      : options_(options), console_(console), status_(console) {
     if (!options_.maps.empty()) {
       map_ = openMaps(options_.maps, console_);
-      algorithms_.session.min_probability = minProbabilityOf(*map_);
+      options_.session.min_probability = minProbabilityOf(*map_);
     }
-    if (algorithms_.min_probability) algorithms_.session.min_probability = *algorithms_.min_probability;
+    if (options_.min_probability) options_.session.min_probability = *options_.min_probability;
     if (!options_.headless) {
       if (!displayUsable())
         throw std::runtime_error("no X server can be reached (DISPLAY); without a window: --headless");
@@ -199,11 +199,11 @@ private:
   }
 
   void startMapping(const Camera& camera) {
-    const std::string parameters = fmt::format("width = {}\n", algorithms_.session.width) +
-                                   toIni(camera.noise, "noise") + toIni(algorithms_.session.view) +
-                                   toIni(algorithms_.mapping, "mapping") + toIni(algorithms_.places, "map");
-    mapping_ = std::make_shared<LiveMapping>(options_.build, camera, algorithms_.mapping, algorithms_.places,
-                                             parameters);
+    const std::string parameters = fmt::format("width = {}\n", options_.session.width) +
+                                   toIni(camera.noise, "noise") + toIni(options_.session.view) +
+                                   toIni(options_.mapping, "mapping") + toIni(options_.places, "map");
+    mapping_ =
+        std::make_shared<LiveMapping>(options_.build, camera, options_.mapping, options_.places, parameters);
   }
 
   /** Finishes the run when no frame comes any more. */
@@ -236,9 +236,8 @@ private:
 
   /** Now that the camera is known. */
   void startSession() {
-    LiveSessionOptions options = algorithms_.session;
-    options.camera = algorithms_.camera(source_->camera());
-    options.max_frames = static_cast<std::uint64_t>(options_.max_frames);
+    LiveSessionOptions options = options_.session;
+    options.camera = options_.camera(source_->camera());
     options.every_frame = options_.source.every_frame;
     if (map_) {
       options.camera = map_->calibrated(options.camera);
@@ -278,7 +277,7 @@ private:
     if (extension_) extension_->put(*result);
     if (findings_) findings_->add(result->number, result->image.depth);
     if (results_ || stream_ || remembered_) {
-      const FrameResult row = frameResult(*result, map_.get(), algorithms_.session.min_probability);
+      const FrameResult row = frameResult(*result, map_.get(), options_.session.min_probability);
       if (results_) results_->append(*result, row);
       if (remembered_) remembered_->put(row);
       if (stream_) stream_->put(static_cast<std::size_t>(result->number - 1), row);
@@ -432,8 +431,7 @@ private:
     note(counted(frames, "frame") + " recorded" + (frames ? " to " + recording_.string() : ""));
   }
 
-  const LiveRunOptions options_;
-  LiveAlgorithms algorithms_;
+  LiveRunOptions options_;
   const Console& console_;
   StopSignal stop_;
   bool quit_ = false;
@@ -471,8 +469,8 @@ private:
 
 }  // namespace
 
-void runLive(const LiveRunOptions& options, const LiveAlgorithms& algorithms, const Console& console) {
-  LiveRun run(options, algorithms, console);
+void runLive(const LiveRunOptions& options, const Console& console) {
+  LiveRun run(options, console);
   try {
     run.run();
   } catch (...) {

@@ -14,7 +14,7 @@
 
 namespace facetloc {
 
-/** \brief The options of a live run. */
+/** \brief The options of a live run, and the parameters of its algorithms. */
 struct LiveRunOptions {
   LiveSourceOptions source;
   std::vector<std::string> maps;  ///< files of one map or several; none = segmentation only
@@ -28,23 +28,19 @@ struct LiveRunOptions {
   std::string near;               ///< where the camera begins (startPose()); empty = not known
   int every = 30;                 ///< processed frames per screenshot
   bool headless = false;
-  bool wait = false;  ///< for a device that is not there, or has gone
-  int max_frames = 0;
+  bool wait = false;               ///< for a device that is not there, or has gone
   double duration = 0;             ///< [s]; 0 = without end
   std::ostream* stream = nullptr;  ///< answers go here, as lines of JSON (PoseStream); null = nowhere
-};
 
-/** \brief The parameters of a live run's algorithms, for a camera that is not known yet. */
-struct LiveAlgorithms {
-  std::function<Camera(const std::optional<CameraFile>&)> camera;
-  LiveSessionOptions session;             // but for its camera, its map, and the one that it makes
-  std::optional<double> min_probability;  // none = as the map was calibrated
+  std::function<Camera(const std::optional<CameraFile>&)> camera;  ///< that is known with the source
+  LiveSessionOptions session;             ///< but for its camera, its map, and the one that it makes
+  std::optional<double> min_probability;  ///< none = as the map was calibrated
   MappingParams mapping;
   MapBuilderParams places;
 };
 
 /** \brief A live run from its begin to its end. Prints the outcome on one line, also if it fails. Throws the
  * first exception of any thread, after all was written. */
-void runLive(const LiveRunOptions& options, const LiveAlgorithms& algorithms, const Console& console);
+void runLive(const LiveRunOptions& options, const Console& console);
 
 }  // namespace facetloc

@@ -45,7 +45,7 @@ struct LiveSessionOptions {
   std::shared_ptr<LiveMapping> mapping;     ///< if a map is to be made
   std::shared_ptr<OdometryInput> odometry;  ///< odometry of the robot; null without one
   int threads = 0;                          ///< threads of global localization; 0 = all cores
-  std::uint64_t max_frames = 0;  ///< number of processed frames after which the run ends; 0 = never
+  int max_frames = 0;            ///< number of processed frames after which the run ends; 0 = never
   double oldest_frame_ms = 100;  ///< age above which a frame is dropped when its turn comes
   bool every_frame = false;      ///< none is dropped: the next one comes when this one is done
 };
@@ -165,7 +165,8 @@ private:
       if (arrived && (options_.every_frame ||
                       (!paused_ && millisecondsSince(arrived->arrival) <= options_.oldest_frame_ms)))
         process(*arrived);
-      if (options_.max_frames > 0 && summary_.processed >= options_.max_frames) break;
+      if (options_.max_frames > 0 && summary_.processed >= static_cast<std::uint64_t>(options_.max_frames))
+        break;
       if (!arrived && mailbox_.closed() && !mailbox_.counts().waiting) break;
     }
     mailbox_.close();
