@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing/matched_segments.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/page.h"
 #include "example_scene.h"

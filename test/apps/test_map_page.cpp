@@ -3,7 +3,6 @@
 #include "drawing/depth_drawing.h"
 #include "drawing/html_text.h"
 #include "drawing/map_page.h"
-#include "drawing/matched_segments.h"
 #include "example_scene.h"
 #include "golden.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/depth_drawing.h"
-#include "drawing/matched_segments.h"
 #include "drawing/offscreen_display.h"
 #include "drawing/pictures.h"
 #include "evaluation/evaluation_pictures.h"

@@ -4,7 +4,6 @@
 #include "cli/text.h"
 #include "drawing/depth_drawing.h"
 #include "drawing/html_text.h"
-#include "drawing/matched_segments.h"
 #include "drawing/plan_view.h"
 
 #include <facetloc/features/map_parts.h>

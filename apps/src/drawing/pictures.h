@@ -8,6 +8,7 @@
 #include <facetloc/features/local_model.h>
 #include <facetloc/features/occupancy_grid.h>
 #include <facetloc/io/png.h>
+#include <facetloc/registration/hypothesis.h>
 #include <facetloc/segmentation/view_builder.h>
 
 #include <filesystem>
@@ -94,6 +95,11 @@ struct DrawnMatch {
   Eigen::Isometry3d T_m_c = Eigen::Isometry3d::Identity();
   std::string caption;  ///< such as "rank 1, probability 0.93"
 };
+/** \brief Which segments agree at a pose: for each scene segment the model segment that fits best, if any
+ * passes the gates of the search with as much slack as the score of a hypothesis has; in the order of the
+ * scene segments. Several of these may match one model segment. */
+std::vector<SegmentPair> matchedSegments(const View& scene, const View& model,
+                                         const Eigen::Isometry3d& T_m_c);
 /** \brief A query beside the local models it was matched to, one answer per row, matched segments in the same
  * colour; a failure shows rank 1 and the answer that would be right. */
 Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/text.h"
 #include "drawing/depth_drawing.h"
-#include "drawing/matched_segments.h"
 #include "drawing/page.h"
 #include "drawing/pictures.h"
 #include "drawing/plan_view.h"

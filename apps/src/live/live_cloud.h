@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "drawing/matched_segments.h"
 #include "drawing/plan_view.h"
 #include "drawing/segment_scene.h"
 #include "drawing/vtk_shapes.h"
