@@ -31,7 +31,7 @@ TEST(DepthDrawing, DepthBecomesGrey) {
 
 TEST(DepthDrawing, AlphaMixesColours) {
   Raster<std::uint8_t> picture{3, 1, 3, {100, 100, 100, 100, 100, 100, 100, 100, 100}};
-  paintSegments(picture, {3, 1, {0, 1, 2}}, {Colour(200, 0, 100, 255), Colour(200, 0, 100, 51)});
+  paintSegments(picture, {3, 1, {0, 1, 2}}, {{200, 0, 100, 255}, {200, 0, 100, 51}});
   EXPECT_THAT(picture.data, ElementsAre(100, 100, 100, 200, 0, 100, 120, 80, 100));
 }
 

@@ -16,10 +16,6 @@ struct Colour {
   std::uint8_t blue = 0;
   std::uint8_t alpha = 255;  ///< 0 = invisible
 
-  Colour() = default;
-  constexpr Colour(std::uint8_t r, std::uint8_t g, std::uint8_t b, std::uint8_t a = 255)
-      : red(r), green(g), blue(b), alpha(a) {}
-
   constexpr Colour withAlpha(std::uint8_t a) const { return {red, green, blue, a}; }
   /** \brief "#1f77b4", as pages have it. */
   std::string toString() const;

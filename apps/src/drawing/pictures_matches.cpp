@@ -224,7 +224,7 @@ Raster<std::uint8_t> contactSheet(const std::vector<Raster<std::uint8_t>>& pictu
     page.text({left, top + kTitle / 2}, titles[i], {17, true});
     const Box box = {left, top + kTitle, kWidth, kWidth * pictures[i].height / pictures[i].width};
     page.picture(box, pictures[i]);
-    page.frame(box, {Colour(190, 190, 190), 1});
+    page.frame(box, {{190, 190, 190}, 1});
   }
   return page.render();
 }

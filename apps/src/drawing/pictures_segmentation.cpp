@@ -55,7 +55,7 @@ void drawSegmentation(const std::filesystem::path& path, const SeenImage& image)
     page.text(box.centre(), "no segments", kCentred);
   else
     drawModel3d(page, box, image.view);
-  page.frame(box, {Colour(190, 190, 190), 1});
+  page.frame(box, {{190, 190, 190}, 1});
   writePng(path, page.render());
 }
 
