@@ -125,17 +125,6 @@ std::vector<LiveCommand> LiveWindow::commands() {
   return std::exchange(insides_->asked, {});
 }
 
-void LiveWindow::drag(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  const auto send = [&](const Eigen::Vector2d& at, unsigned long event) {
-    const int height = insides_->window->GetSize()[1];
-    insides_->interactor->SetEventPosition(static_cast<int>(at.x()), height - 1 - static_cast<int>(at.y()));
-    insides_->interactor->InvokeEvent(event);
-  };
-  send(from, vtkCommand::LeftButtonPressEvent);
-  send(to, vtkCommand::MouseMoveEvent);
-  send(to, vtkCommand::LeftButtonReleaseEvent);
-}
-
 void LiveWindow::press(const std::string& key) {
   insides_->interactor->SetKeySym(key.c_str());
   insides_->interactor->InvokeEvent(vtkCommand::KeyPressEvent);

@@ -29,9 +29,6 @@ public:
   std::vector<LiveCommand> commands();
   /** \brief As if the user had pressed a key. */
   void press(const std::string& key);
-  /** \brief As if the user had pressed the left button at one place, and released it at another; at the same,
-   * a click [px from the top left corner]. */
-  void drag(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
 private:
   struct Insides;
