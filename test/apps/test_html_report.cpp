@@ -206,8 +206,8 @@ TEST(ChartData, IsThatOfTheAnswers) {
   for (FrameEvaluation& frame : report.evaluation.frames)
     if (frame.hypotheses > 0) frame.best_error = frame.first_correct_error;
   report.summaries = summarizeSets(report.evaluation);
-  StartCurve images{"images", {{0, 2, 0, 0}, {1, 2, 2, 1}}};
-  const Json::Value data = chartData(report, {images});
+  report.starts = {{"images", {{0, 2, 0, 0}, {1, 2, 2, 1}}}};
+  const Json::Value data = chartData(report);
   // Probabilities 0.95, right, and 0.97, wrong; 0.4, wrong; one image without an answer.
   const Json::Value& bins = data["reliability"]["bins"];
   ASSERT_EQ(bins.size(), 10u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/start_curves.h"
+#include "evaluation/evaluation_details.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,6 @@
 #include "drawing/offscreen_display.h"
 #include "evaluation/evaluation_pictures.h"
 #include "evaluation/evaluation_report.h"
-#include "evaluation/start_curves.h"
 #include "evaluation/verdict.h"
 #include "inputs/depth_input.h"
 #include "outputs/output_folder.h"
@@ -88,7 +87,6 @@ private:
     std::optional<Map> map;
     std::optional<ResultsAlignment> alignment{};
     Findings findings{};
-    std::vector<StartCurve> starts{};  // answers after each of several starts of a drive
   };
 
   void addOptions(CommandLine& line) override {
@@ -200,6 +198,11 @@ private:
     if (true_models.empty() && (!input.map || modelPoses(input.map).empty()))
       requireWorldPoses(input.runs, input.map);
     report.summaries = summarizeSets(report.evaluation);
+    if (const auto answers = readStarts(results_); !answers.empty())
+      report.starts = startCurves(answers, report.evaluation.frames,
+                                  input.alignment ? input.alignment->motion.T_true_estimated
+                                                  : Eigen::Isometry3d::Identity(),
+                                  params_);
     return report;
   }
 
@@ -237,7 +240,6 @@ private:
 
   ReportFigures figuresOf(const EvaluationReport& report, const Input& input, const Console& console) const {
     ReportFigures figures;
-    figures.starts = input.starts;
     // A map without poses, or a build without three.js, is no reason to miss the report.
     const auto attempt = [&](const auto& draw) {
       try {
@@ -310,15 +312,9 @@ private:
     const EvaluationReport report = reportOf(input);
     begin(folder_, overwrite_, console);
     writeReport(folder_, report);
-    if (const auto answers = readStarts(results_); !answers.empty()) {
-      const Eigen::Isometry3d T_true_estimated =
-          input.alignment ? input.alignment->motion.T_true_estimated : Eigen::Isometry3d::Identity();
-      input.starts = startCurves(answers, report.evaluation.frames, T_true_estimated, params_);
-      writeStartCurves(folder_, input.starts);
-    }
     writeHtmlReport(folder_, report, figuresOf(report, input, console));
     printReport(console.out, report);  // last, for who reads it may stop doing so
-    printStartCurves(console.out, input.starts);
+    printStartCurves(console.out, report.starts);
     console.out << "\n";
     return conclude(report, console);
   }

@@ -56,7 +56,7 @@ PlanView planOf(const std::vector<PosePair>& pairs) {
 
 }  // namespace
 
-Json::Value chartData(const EvaluationReport& report, const std::vector<StartCurve>& starts) {
+Json::Value chartData(const EvaluationReport& report) {
   const Summary& summary = newImages(report.summaries);
   const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
   Json::Value data;
@@ -73,7 +73,7 @@ Json::Value chartData(const EvaluationReport& report, const std::vector<StartCur
       errorData(report, &Summary::rotation_deg, report.params.max_rotation_deg, kPaperOrientationDeg);
   data["planes"] = groupData(errorsByVisiblePlanes(frames));
   data["distance"] = groupData(errorsByDistance(frames));
-  for (const StartCurve& curve : starts)
+  for (const StartCurve& curve : report.starts)
     for (const StartCurve::Point& p : curve.points)
       data["starts"][curve.name].append(row({p.x, double(p.starts), double(p.sure), double(p.right)}));
   return data;

@@ -6,12 +6,14 @@
 #include <fmt/format.h>
 #include <functional>
 #include <limits>
+#include <map>
 
 namespace facetloc {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostShare = 0.95;
+constexpr double kMetreStep = 0.25;  // between points of a curve [m]
 
 std::string wholeRange(double lowest, double highest) {
   if (std::isinf(highest)) return fmt::format("{:.0f} or more", lowest);
@@ -57,6 +59,15 @@ std::optional<MissKind> missKind(const FrameEvaluation& f, bool relative) {
   if (f.first_correct == 0 && (f.covered || f.frame_class == FrameClass::unknown)) return MissKind::not_found;
   if (f.first_correct > 1) return MissKind::not_first;
   return {};
+}
+
+/** Counts an answer at a point, and makes points up to it. */
+void count(StartCurve& curve, std::size_t i, double step, bool sure, bool right) {
+  while (curve.points.size() <= i) curve.points.push_back({step * static_cast<double>(curve.points.size())});
+  StartCurve::Point& point = curve.points[i];
+  ++point.starts;
+  point.sure += sure;
+  point.right += sure && right;
 }
 
 }  // namespace
@@ -137,6 +148,39 @@ std::vector<Miss> misses(const Evaluation& evaluation, bool relative) {
     if (const auto kind = missKind(f, relative)) found.push_back({*kind, f});
   std::stable_sort(found.begin(), found.end(), [](const Miss& a, const Miss& b) { return a.kind < b.kind; });
   return found;
+}
+
+std::vector<StartCurve> startCurves(const std::vector<StartAnswer>& answers,
+                                    const std::vector<FrameEvaluation>& frames,
+                                    const Eigen::Isometry3d& T_true_estimated,
+                                    const EvaluationParams& params) {
+  std::map<std::string, Eigen::Isometry3d> truth;
+  for (const FrameEvaluation& frame : frames) truth[frame.name] = frame.T_w_c;
+  StartCurve images{"images", {}}, metres{"metres", {}};
+  std::string start;
+  std::optional<Eigen::Isometry3d> before;  // the true pose of the image before, of the same start
+  double distance = 0;
+  std::size_t image = 0, next = 0;  // points of the start
+  for (const StartAnswer& answer : answers) {
+    const auto found = truth.find(answer.frame);
+    if (found == truth.end()) continue;
+    const Eigen::Isometry3d& T_w_c = found->second;
+    if (!before || answer.start != start) {
+      start = answer.start;
+      before = T_w_c;
+      distance = 0;
+      image = next = 0;
+    }
+    distance += (T_w_c.translation() - before->translation()).norm();
+    before = T_w_c;
+    const bool sure = answer.state == AnswerState::sure;
+    const bool right = answer.T_w_c && isNear(T_true_estimated * *answer.T_w_c, T_w_c, params.max_translation,
+                                              params.max_rotation_deg);
+    count(images, image++, 1, sure, right);
+    for (; distance >= kMetreStep * static_cast<double>(next); ++next)
+      count(metres, next, kMetreStep, sure, right);
+  }
+  return {images, metres};
 }
 
 }  // namespace facetloc

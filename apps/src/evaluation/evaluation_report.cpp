@@ -86,6 +86,13 @@ void writeTimes(std::ostream& out, const std::vector<StageTime>& times) {
     out << fmt::format("{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", t.stage, t.n, t.mean, t.median, t.most, t.max);
 }
 
+void writeCurve(std::ostream& out, const StartCurve& curve) {
+  out << curve.name << ",starts,sure,right,recall,precision\n";
+  for (const StartCurve::Point& p : curve.points)
+    out << fmt::format("{},{},{},{},{:.9g},{:.9g}\n", text::shortest(p.x), p.starts, p.sure, p.right,
+                       p.recall(), p.precision());
+}
+
 std::string alignmentText(const ResultsAlignment& a) {
   return fmt::format(
       "Aligned with the truth: {}, by {} of {} with a residual of {:.1f} mm and {:.2f} deg (RMS). "
@@ -142,8 +149,21 @@ void printReport(std::ostream& out, const EvaluationReport& report) {
   for (const ReportTable& t : reportTables(report)) out << "\n" << t.title << "\n" << t.table;
 }
 
+void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves) {
+  for (const StartCurve& curve : curves) {
+    out << "\nAFTER SO MANY " << (curve.name == "images" ? "IMAGES" : "METRES") << " FROM A START\n";
+    constexpr std::size_t kPrinted = 10;  // points of each
+    const std::size_t step = std::max<std::size_t>(1, curve.points.size() / kPrinted);
+    for (std::size_t i = 0; i < curve.points.size(); i += step) {
+      const StartCurve::Point& p = curve.points[i];
+      out << fmt::format("{}: {} starts, sure and right {:.1f} %, right of the sure ones {:.1f} %\n",
+                         text::shortest(p.x), p.starts, 100 * p.recall(), 100 * p.precision());
+    }
+  }
+}
+
 void writeReport(const std::filesystem::path& folder, const EvaluationReport& report) {
-  const auto write = [&](const char* name, const std::function<void(std::ostream&)>& content) {
+  const auto write = [&](const std::string& name, const std::function<void(std::ostream&)>& content) {
     writeTextAtomically(folder / name, content);
   };
   write("evaluation.txt", [&](std::ostream& out) { printReport(out, report); });
@@ -151,6 +171,8 @@ void writeReport(const std::filesystem::path& folder, const EvaluationReport& re
   write("frames.csv", [&](std::ostream& out) { writeFrames(out, report.evaluation); });
   write("fig6.csv", [&](std::ostream& out) { writeHistograms(out, report.summaries); });
   write("errors.csv", [&](std::ostream& out) { writeErrors(out, report.evaluation); });
+  for (const StartCurve& curve : report.starts)
+    write("starts_by_" + curve.name + ".csv", [&](std::ostream& out) { writeCurve(out, curve); });
   const std::vector<StageTime> times = stageTimes(report.timing);
   if (!times.empty()) write("timing_summary.csv", [&](std::ostream& out) { writeTimes(out, times); });
 }

@@ -3,7 +3,6 @@
 
 #include "cli/text.h"
 #include "evaluation/evaluation_details.h"
-#include "evaluation/start_curves.h"
 #include "evaluation/trajectory_errors.h"
 
 #include <facetloc/features/finding.h>
@@ -57,6 +56,7 @@ struct EvaluationReport {
   bool of_map = false;                       ///< the images localized are those that the map was made of
   bool as_drive = false;                     ///< they were localized as a sequence
   bool beside_paper = false;                 ///< the paper's figures stand beside these
+  std::vector<StartCurve> starts{};          ///< after each of several starts of a drive; may be empty
 
   bool isJudged() const { return !truth.empty(); }
 };
@@ -70,9 +70,12 @@ std::vector<std::string> reportPreface(const EvaluationReport& report);
 /** \brief The preface and the tables. */
 void printReport(std::ostream& out, const EvaluationReport& report);
 
-/** \brief Writes evaluation.txt, tables.csv, frames.csv, fig6.csv, errors.csv and, where times are known,
- * timing_summary.csv, atomically. Times are in the last one and in the text only: everything else depends on
- * nothing but the answers. */
+/** \brief Some points of each curve. */
+void printStartCurves(std::ostream& out, const std::vector<StartCurve>& curves);
+
+/** \brief Writes evaluation.txt, tables.csv, frames.csv, fig6.csv, errors.csv, starts_by_NAME.csv of each
+ * curve and, where times are known, timing_summary.csv, atomically. Times are in the last one and in the text
+ * only: everything else depends on nothing but the answers. */
 void writeReport(const std::filesystem::path& folder, const EvaluationReport& report);
 
 /** \brief A picture file and its caption. */
@@ -84,7 +87,6 @@ struct ReportPicture {
 struct ReportFigures {
   Json::Value plan;                     ///< planData() of the answers; may be null
   bool map_page = false;                ///< map.html lies beside the report
-  std::vector<StartCurve> starts;       ///< may be empty
   std::vector<ReportPicture> pictures;  ///< pictures of images with a wrong or missing answer
 };
 /** \brief Writes report.html, atomically: the verdict, the map, charts, then tables; everything in one file.
@@ -119,7 +121,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport
  * mean probability, share correct). position, orientation: limit, marks (99 % bounds by name), sets (name,
  * ascending errors of first correct hypotheses). planes, distance: mean, images, correct, correct at rank 1.
  * starts by images, metres: since the start, starts, sure, right. */
-Json::Value chartData(const EvaluationReport& report, const std::vector<StartCurve>& starts);
+Json::Value chartData(const EvaluationReport& report);
 /** \brief The charts of a trajectory. plan: true, estimated (to the right, to the top [m]). errors: true
  * distance [m], position [mm], orientation [deg]. */
 Json::Value chartData(const TrajectoryErrors& errors);

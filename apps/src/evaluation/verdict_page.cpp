@@ -94,7 +94,7 @@ void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport
   addFindings(report.findings, page);
   if (report.isJudged()) {
     page.heading("Charts");
-    page.drawing("charts", chartData(report, figures.starts));
+    page.drawing("charts", chartData(report));
     addMisses(report, figures.pictures, page);
     addTables(report, page);
   } else {
