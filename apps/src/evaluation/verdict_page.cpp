@@ -6,7 +6,6 @@
 #include <facetloc/io/atomic_file.h>
 
 #include <fmt/format.h>
-#include <json/value.h>
 
 namespace facetloc {
 namespace {

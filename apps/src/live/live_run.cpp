@@ -17,7 +17,6 @@
 #include "live/remembered_pose.h"
 #include "outputs/output_folder.h"
 #include "outputs/pose_stream.h"
-#include "outputs/provenance.h"
 
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/io/error.h>

@@ -10,7 +10,6 @@
 
 #include <pcl/io/grabber.h>
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
