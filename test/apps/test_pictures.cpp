@@ -208,22 +208,21 @@ TEST_F(Pictures, MatchesAreGolden) {
 
 TEST_F(Pictures, BeliefsAreGolden) {
   const auto placeAt = [](double x, double probability, double std) {
-    return DrawnPlace{ExampleScene::pose(x, 0, 0.3), probability, std};
+    return PagePlace{-1, Eigen::Isometry3d::Identity(), ExampleScene::pose(x, 0, 0.3), probability, std};
   };
-  const std::vector<DrawnBelief> beliefs = {{"1",
-                                             "image 1: doubtful",
-                                             {placeAt(0, 0.4, 0.2), placeAt(1, 0.3, 0.3)},
-                                             false,
-                                             ExampleScene::pose(1, 0, 0.3)},
-                                            {"2", "image 2: sure", {placeAt(1, 0.95, 0.02)}, true, {}},
-                                            {"3", "image 3: unknown", {}, false, {}}};
-  drawBeliefs(path_, map_, beliefs);
+  std::vector<PageAnswer> answers(3);
+  answers[0].places = {placeAt(0, 0.4, 0.2), placeAt(1, 0.3, 0.3)};
+  answers[0].truth = ExampleScene::pose(1, 0, 0.3);
+  answers[1].places = {placeAt(1, 0.95, 0.02)};
+  answers[1].state = AnswerState::sure;
+  const std::vector<std::string> titles = {"image 1: doubtful", "image 2: sure", "image 3: unknown"};
+  drawBeliefs(path_, map_, answers, titles);
   expectLikeGolden("beliefs", written());
   const std::string first = contentOf(path_);
-  drawBeliefs(path_, map_, beliefs);
+  drawBeliefs(path_, map_, answers, titles);
   EXPECT_EQ(first, contentOf(path_));
-  EXPECT_THROW(drawBeliefs(path_, map_, {}), std::invalid_argument);
-  EXPECT_THROW(drawBeliefs(path_, Map(), beliefs), IoError);
+  EXPECT_THROW(drawBeliefs(path_, map_, {}, {}), std::invalid_argument);
+  EXPECT_THROW(drawBeliefs(path_, Map(), answers, titles), IoError);
 }
 
 TEST_F(Pictures, APlanIsDrawnForTheSegments) {

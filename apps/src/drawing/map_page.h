@@ -32,13 +32,21 @@ struct PageAnswer {
   AnswerState state = AnswerState::unknown;
   bool wrong = false;             ///< sure, and not where the image was taken
   std::string reason;             ///< why there is no place, or a remark
-  std::vector<PagePlace> places;  ///< most probable first
+  std::vector<PagePlace> places;  ///< places in the part of the map that is drawn, most probable first
   std::optional<Matrix6d> P_w_c;  ///< covariance of the first place
   std::optional<ViewShares> shares;
   std::optional<Eigen::Isometry3d> truth;
   std::optional<double> error_m, error_deg;  ///< difference of the first place from the truth
   bool relative = false;                     ///< ... in its local model
 };
+
+/** \brief A film strip of answers over the places of a map as they narrow, a plan view for each image, PNG,
+ * atomically: places as disks, the larger the more probable, with headings and rings of two standard
+ * deviations; a bar for the probability of each and of that the map does not hold the place; the truth as a
+ * cross. Needs an X display (OffscreenDisplay). Throws IoError if no local model of the map has a pose or the
+ * file cannot be written, std::invalid_argument without images. \param titles one for each */
+void drawBeliefs(const std::filesystem::path& path, const Map& map, const std::vector<PageAnswer>& answers,
+                 const std::vector<std::string>& titles);
 
 /** \brief A map, and the answers and paths shown in it. Poses are in the part of the map that is drawn: the
  * world, or else the largest part. */

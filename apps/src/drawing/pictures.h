@@ -69,26 +69,6 @@ void drawFloorMap(const std::filesystem::path& path, const Map& map, const std::
 /** \brief Runs from above, with a scale bar. */
 void drawRuns(const std::filesystem::path& path, const PlanView& view, const std::vector<DrawnRun>& runs);
 
-/** \brief A place where the camera may be. */
-struct DrawnPlace {
-  Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
-  double probability = 0;
-  double std = 0;  ///< standard deviation of the position in its least certain direction [m]
-};
-/** \brief The belief about the place of one image. */
-struct DrawnBelief {
-  std::string frame;               ///< name of the image
-  std::string title;               ///< such as "image 12: doubtful"
-  std::vector<DrawnPlace> places;  ///< places in the part of the map that is drawn, most probable first
-  bool sure = false;
-  std::optional<Eigen::Isometry3d> truth;
-};
-/** \brief A film strip of a belief over the places of a map as it narrows, a plan view for each image:
- * places as disks, the larger the more probable, with headings and rings of two standard deviations; a bar
- * for the probability of each and of that the map does not hold the place; the truth as a cross. Throws
- * IoError if no local model of the map has a pose, std::invalid_argument without images. */
-void drawBeliefs(const std::filesystem::path& path, const Map& map, const std::vector<DrawnBelief>& beliefs);
-
 /** \brief An answer to draw, and the truth, where it is known. */
 struct DrawnMatch {
   int model = 0;  ///< index of the local model; -1 = there is no answer, only the query is drawn

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A build without VTK (FACETLOC_WITH_VTK): it has pages and no pictures, and all who draw ask
 // OffscreenDisplay first.
+#include "drawing/map_page.h"
 #include "drawing/offscreen_display.h"
-#include "drawing/pictures.h"
 
 #include <stdexcept>
 
@@ -23,7 +23,10 @@ void drawFloorMap(const std::filesystem::path&, const Map&, const std::vector<Dr
   refuse();
 }
 void drawRuns(const std::filesystem::path&, const PlanView&, const std::vector<DrawnRun>&) { refuse(); }
-void drawBeliefs(const std::filesystem::path&, const Map&, const std::vector<DrawnBelief>&) { refuse(); }
+void drawBeliefs(const std::filesystem::path&, const Map&, const std::vector<PageAnswer>&,
+                 const std::vector<std::string>&) {
+  refuse();
+}
 Raster<std::uint8_t> matchesPicture(const SeenImage&, const Map&, const std::vector<DrawnMatch>&) {
   refuse();
 }

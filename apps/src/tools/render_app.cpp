@@ -64,35 +64,17 @@ std::vector<DrawnMatch> answersTo(const SeenImage& image, const Localizer& local
   return drawn;
 }
 
-/** \brief The belief about each image of a results folder, in their order. */
-std::vector<DrawnBelief> beliefsOf(const fs::path& results) {
-  std::vector<DrawnBelief> beliefs;
-  std::string frame;
-  for (const ResultRow& row : readHypotheses(results)) {
-    if (beliefs.empty() || row.frame != frame) {
-      frame = row.frame;
-      DrawnBelief belief;
-      belief.frame = frame;
-      belief.title = fmt::format("image {}, {}: {}", beliefs.size() + 1, frame, toString(row.state));
-      belief.sure = row.state == AnswerState::sure;
-      beliefs.push_back(std::move(belief));
-    }
-    if (row.rank > 0 && row.T_w_c && row.part.empty())
-      beliefs.back().places.push_back({*row.T_w_c, row.probability, row.sd_trans_m});
-  }
-  return beliefs;
-}
-
 /** \brief Half of the images up to the first that is sure, half from there to the end, each half evenly. */
-std::vector<std::size_t> imagesOfStrip(const std::vector<DrawnBelief>& beliefs, std::size_t most) {
-  const std::size_t n = beliefs.size();
+std::vector<std::size_t> imagesOfStrip(const std::vector<PageAnswer>& answers, std::size_t most) {
+  const std::size_t n = answers.size();
   std::vector<std::size_t> chosen;
   if (n <= most) {
     for (std::size_t i = 0; i < n; ++i) chosen.push_back(i);
     return chosen;
   }
-  const auto sure = std::find_if(beliefs.begin(), beliefs.end(), [](const DrawnBelief& b) { return b.sure; });
-  const std::size_t middle = sure == beliefs.end() ? n - 1 : static_cast<std::size_t>(sure - beliefs.begin());
+  const auto sure = std::find_if(answers.begin(), answers.end(),
+                                 [](const PageAnswer& a) { return a.state == AnswerState::sure; });
+  const std::size_t middle = sure == answers.end() ? n - 1 : static_cast<std::size_t>(sure - answers.begin());
   const std::size_t before = middle + 1 < n ? std::min(middle + 1, most / 2) : most, after = most - before;
   for (std::size_t k = 0; k < before; ++k) chosen.push_back(before > 1 ? k * middle / (before - 1) : middle);
   for (std::size_t k = 1; k <= after; ++k) chosen.push_back(middle + k * (n - 1 - middle) / after);
@@ -235,18 +217,24 @@ private:
     if (map_.empty()) throw UsageError("the picture of results needs --map");
     requirePng(output_);
     requireReplaceable(output_);
-    const std::vector<DrawnBelief> beliefs = beliefsOf(input_);
-    if (beliefs.empty()) throw IoError(input_, "has no results");
-    std::vector<DrawnBelief> drawn;
-    for (const std::size_t i : imagesOfStrip(beliefs, kMostImages)) drawn.push_back(beliefs[i]);
+    const Map map = readMap(map_);
+    const std::vector<PageAnswer> answers = answerPage(map, readRuns(input_)).answers;
+    if (answers.empty()) throw IoError(input_, "has no results");
+    std::vector<PageAnswer> drawn;
+    std::vector<std::string> titles;
+    for (const std::size_t i : imagesOfStrip(answers, kMostImages)) {
+      drawn.push_back(answers[i]);
+      titles.push_back(
+          fmt::format("image {}, {}: {}", i + 1, drawn.back().frame, toString(drawn.back().state)));
+    }
     if (!sequence_.empty()) {
       const DepthSequence sequence = openSequence(sequence_, depth_.recording, console);
-      for (DrawnBelief& belief : drawn)
-        if (const auto index = find(sequence, belief.frame))
-          belief.truth = sequence.groundTruth().at(sequence.frames()[*index].stamp);
+      for (PageAnswer& answer : drawn)
+        if (const auto index = find(sequence, answer.frame))
+          answer.truth = sequence.groundTruth().at(sequence.frames()[*index].stamp);
     }
-    drawBeliefs(output_, readMap(map_), drawn);
-    console.out << drawn.size() << " of " << counted(beliefs.size(), "image") << "; picture in " << output_
+    drawBeliefs(output_, map, drawn, titles);
+    console.out << drawn.size() << " of " << counted(answers.size(), "image") << "; picture in " << output_
                 << "\n";
     return kOk;
   }
