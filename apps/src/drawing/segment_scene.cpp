@@ -85,9 +85,8 @@ void SegmentScene::add(const Segment& segment, const Eigen::Isometry3d& T, const
 
 void SegmentScene::addCamera(const Intrinsics& camera, const Eigen::Isometry3d& T, double size,
                              const Colour& colour, double width) {
-  Polygon base;
-  for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
-    base.push_back(T * (size * camera.ray(u * camera.width, v * camera.height)));
+  Polygon base = frustum(camera, size);
+  for (Eigen::Vector3d& corner : base) corner = T * corner;
   addLine(base, true, colour, width);
   for (const Eigen::Vector3d& corner : base) addLine({T.translation(), corner}, false, colour, width);
   content_.push_back(T.translation());
@@ -138,6 +137,13 @@ void SegmentScene::lookAlong(const Eigen::Vector3d& direction, const Eigen::Vect
   camera->SetViewUp(up.x(), up.y(), up.z());
   camera->SetViewAngle(kViewAngle / kDegree);
   renderer_->ResetCameraClippingRange();
+}
+
+std::vector<Eigen::Vector3d> frustum(const Intrinsics& camera, double depth) {
+  std::vector<Eigen::Vector3d> corners;
+  for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
+    corners.push_back(depth * camera.ray(u * camera.width, v * camera.height));
+  return corners;
 }
 
 Eigen::Vector3d fromBehindAndAbove(const Eigen::Vector3d& up) {

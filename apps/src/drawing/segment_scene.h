@@ -41,6 +41,9 @@ private:
   Polygon content_;  // the corners of all segments
 };
 
+/** \brief The corners of a camera's image at a depth [m], in its frame. */
+std::vector<Eigen::Vector3d> frustum(const Intrinsics& camera, double depth);
+
 /** \brief Where someone looks who stands behind a camera, above it and a little aside. \param up in the frame
  * of the camera, unit vector. */
 Eigen::Vector3d fromBehindAndAbove(const Eigen::Vector3d& up);

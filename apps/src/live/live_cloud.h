@@ -130,14 +130,6 @@ private:
     return std::exp2(std::ceil(2 * std::log2(*last)) / 2);
   }
 
-  /** The corners of the image at a depth. */
-  static Shapes::Points frustum(const Intrinsics& camera, double depth) {
-    Shapes::Points corners;
-    for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
-      corners.push_back(depth * camera.ray(u * camera.width, v * camera.height));
-    return corners;
-  }
-
   /** The segment of a view that a ray through a pixel meets first. */
   std::optional<std::size_t> segmentAt(const View& view, const Eigen::Vector2d& pixel) {
     const auto pointAt = [&](double depth) {

@@ -55,16 +55,15 @@ void LiveMapping::follow(const View& view, const std::string& name, double stamp
   state_.keyframes = map_.keyframes();
   state_.T_w_c = map_.latest();
   if (!state_.T_w_c) {
-    trajectory_.interrupt();
+    state_.trajectory.interrupt();
     last_place_.reset();
   } else {
     const Eigen::Vector3d place = state_.T_w_c->T.translation();
-    trajectory_.add(place);
+    state_.trajectory.add(place);
     const double step = last_place_ ? (place - *last_place_).norm() : 0;
     if (step >= kStep) state_.distance += step;
     if (step >= kStep || !last_place_) last_place_ = place;
   }
-  state_.trajectory = trajectory_;
 }
 
 /** Takes the result of the background, if it has finished something. */
@@ -78,9 +77,9 @@ void LiveMapping::takeResult() {
   const Clock::time_point now = Clock::now();
   next_improvement_ = now + std::max<Clock::duration>(kLeastRest, now - improved_);
   if (moved < kMoved) return;
-  trajectory_ = {};
-  for (const Eigen::Vector3d& place : map_.trajectory()) trajectory_.add(place);
-  trajectory_.interrupt();
+  state_.trajectory = {};
+  for (const Eigen::Vector3d& place : map_.trajectory()) state_.trajectory.add(place);
+  state_.trajectory.interrupt();
   last_place_.reset();
 }
 

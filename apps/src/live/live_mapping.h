@@ -77,7 +77,6 @@ private:
   const Camera camera_;
   GrowingMap map_;
   std::vector<SeenModel> unwritten_;
-  LiveTrajectory trajectory_;
   std::optional<Eigen::Vector3d> last_place_;  // last position on the way
   LiveMapState state_;
   Clock::time_point improved_ = Clock::now(), next_improvement_ = improved_;

@@ -117,6 +117,9 @@ private:
 
   static Eigen::Vector3d at(const Eigen::Vector2d& p, Level level) { return {p.x(), p.y(), double(level)}; }
 
+  static Shapes::Points disk(const Eigen::Vector2d& centre, double radius, Level level, int corners = 36) {
+    return disk(centre, radius * Eigen::Matrix2d::Identity(), level, corners);
+  }
   static Shapes::Points disk(const Eigen::Vector2d& centre, const Eigen::Matrix2d& shape, Level level,
                              int corners = 36) {
     Shapes::Points points;
@@ -207,14 +210,12 @@ private:
   void mark(Panel& panel, const LiveResult& result, double metres_per_pixel, std::optional<int> chosen) {
     constexpr double kModelRadius = 2.5;  // [px]
     for (const Eigen::Vector2d& model : models_)
-      panel.marker.polygon(
-          disk(model, kModelRadius * metres_per_pixel * Eigen::Matrix2d::Identity(), kModelLevel, 8), kModel);
+      panel.marker.polygon(disk(model, kModelRadius * metres_per_pixel, kModelLevel, 8), kModel);
     const bool is_near = &panel == &near_;
     if (is_near) addGrid();
     if (chosen && map_->models[*chosen].T_w_m) {
       const Eigen::Vector2d place = plan_.point(map_->models[*chosen].T_w_m->translation());
-      panel.marker.line(disk(place, kReach * metres_per_pixel * Eigen::Matrix2d::Identity(), kMarkLevel),
-                        kBlack, true);
+      panel.marker.line(disk(place, kReach * metres_per_pixel, kMarkLevel), kBlack, true);
     }
     if (!result.pose()) {
       markPlaces(panel, result, metres_per_pixel);
@@ -236,8 +237,7 @@ private:
                               at(here - 5 * x - 6 * y, kMarkLevel)},
                              colour);
     } else {  // it looks straight up or down
-      panel.marker.polygon(disk(here, 7 * metres_per_pixel * Eigen::Matrix2d::Identity(), kMarkLevel),
-                           colour);
+      panel.marker.polygon(disk(here, 7 * metres_per_pixel, kMarkLevel), colour);
     }
     panel.marker.show();
   }
@@ -250,7 +250,7 @@ private:
       if (place.part != part_) continue;
       const Eigen::Vector2d here = plan_.point(place.T_w_c->translation());
       const double radius = std::max(kLeast, kLargest * std::sqrt(place.probability)) * metres_per_pixel;
-      panel.marker.polygon(disk(here, radius * Eigen::Matrix2d::Identity(), kMarkLevel), poseColour(result));
+      panel.marker.polygon(disk(here, radius, kMarkLevel), poseColour(result));
       const Eigen::Vector2d ahead = plan_.direction(place.T_w_c->linear().col(2));
       const Eigen::Vector2d tip = here + (radius + kLargest * metres_per_pixel) * ahead;
       panel.marker.line({at(here, kMarkLevel), at(tip, kMarkLevel)}, poseColour(result));
