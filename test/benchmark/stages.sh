@@ -361,11 +361,16 @@ stage_sequences() {
 # Several cameras as one view: a corridor's end, an office, a home.
 stage_rig() { bench score_rig 11 12 13 14 15; }
 
+# A later run without people, and with three around the camera.
 stage_people() {
-  local seed
-  for seed in 51 52; do
-    bench score_people "office$seed" "home$seed" "hall$seed" --query-frames $((80 / every > 4 ? 80 / every : 4))
-    [ "$every" -eq 1 ] || break
+  local run of_home=(home --seed 31 --width 320 --map-frames 160 --query-frames 160)
+  rowHead
+  place alone_home31 "${of_home[@]}"
+  place peopled_home31 "${of_home[@]}" --people 3
+  mapped alone_home31/map
+  for run in alone_home31 peopled_home31; do
+    localized "$run, by images" "$map" "$run/query" "0.2 2" --
+    localized "$run, as a drive" "$map" "$run/query" "0.2 2" -- --sequence
   done
 }
 
