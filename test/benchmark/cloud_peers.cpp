@@ -17,6 +17,11 @@ namespace {
 using Features = pcl::PointCloud<pcl::FPFHSignature33>;
 
 constexpr std::size_t kLeastPoints = 100;
+constexpr double kVoxel = 0.05;        // edge of the voxels whose points become one [m]
+constexpr double kMaxDepth = 5;        // farthest depth that is used [m]
+constexpr double kNdtVoxel = 0.2;      // edge of the voxels of the source of NDT [m]
+constexpr float kNdtResolution = 1;    // edge of the cells of NDT [m]
+constexpr double kGicpDistance = 0.5;  // largest distance of corresponding points of GICP [m]
 
 // Proportions to the edge of the voxels, of PCL's tutorials "Robust pose estimation of rigid objects" and
 // "How to use iterative closest point" (pairwise registration).
@@ -24,10 +29,10 @@ constexpr double kNormalRadius = 2, kFeatureRadius = 5, kInlierDistance = 2.5, k
 constexpr double kSampleDistance = 10;  // as in "Aligning object templates to a point cloud"
 constexpr int kIcpIterations = 50, kPrerejectiveIterations = 50000, kInitialIterations = 500;
 
-Cloud::Ptr thinned(const Cloud& cloud, double voxel, double max_depth) {
+Cloud::Ptr thinned(const Cloud& cloud, double voxel) {
   const auto measured = pcl::make_shared<Cloud>(), thin = pcl::make_shared<Cloud>();
   for (const pcl::PointXYZ& p : cloud)
-    if (pcl::isXYZFinite(p) && p.z <= max_depth) measured->push_back(p);
+    if (pcl::isXYZFinite(p) && p.z <= kMaxDepth) measured->push_back(p);
   pcl::VoxelGrid<pcl::PointXYZ> grid;
   grid.setInputCloud(measured);
   const auto edge = static_cast<float>(voxel);
@@ -41,12 +46,12 @@ struct Described {
   Features::Ptr features;
 };
 
-Described describe(const Cloud& cloud, const PeerParams& params) {
-  Described out{thinned(cloud, params.voxel, params.max_depth), pcl::make_shared<Features>()};
+Described describe(const Cloud& cloud) {
+  Described out{thinned(cloud, kVoxel), pcl::make_shared<Features>()};
   const auto normals = pcl::make_shared<pcl::PointCloud<pcl::Normal>>();
   pcl::NormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
   estimation.setInputCloud(out.cloud);
-  estimation.setRadiusSearch(kNormalRadius * params.voxel);
+  estimation.setRadiusSearch(kNormalRadius * kVoxel);
   estimation.compute(*normals);
   // FPFH refuses points without a normal.
   const auto kept = pcl::make_shared<Cloud>();
@@ -61,7 +66,7 @@ Described describe(const Cloud& cloud, const PeerParams& params) {
   pcl::FPFHEstimation<pcl::PointXYZ, pcl::Normal, pcl::FPFHSignature33> fpfh;
   fpfh.setInputCloud(out.cloud);
   fpfh.setInputNormals(kept_normals);
-  fpfh.setRadiusSearch(kFeatureRadius * params.voxel);
+  fpfh.setRadiusSearch(kFeatureRadius * kVoxel);
   fpfh.compute(*out.features);
   return out;
 }
@@ -86,87 +91,77 @@ CloudAnswer run(Registration& registration, const Cloud::ConstPtr& source, const
   return answerOf(registration, range);
 }
 
-CloudAnswer refined(const CloudAnswer& coarse, const Described& source, const Described& target,
-                    const PeerParams& params) {
+CloudAnswer refined(const CloudAnswer& coarse, const Described& source, const Described& target) {
   if (!coarse.converged) return coarse;
   pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> icp;
-  icp.setMaxCorrespondenceDistance(kIcpDistance * params.voxel);
+  icp.setMaxCorrespondenceDistance(kIcpDistance * kVoxel);
   icp.setMaximumIterations(kIcpIterations);
-  return run(icp, source.cloud, target.cloud, coarse.T.matrix().cast<float>(),
-             kInlierDistance * params.voxel);
+  return run(icp, source.cloud, target.cloud, coarse.T.matrix().cast<float>(), kInlierDistance * kVoxel);
 }
 
 template <class Registration>
-CloudAnswer alignFeatures(Registration& registration, const Described& source, const Described& target,
-                          const PeerParams& params) {
+CloudAnswer alignFeatures(Registration& registration, const Described& source, const Described& target) {
   if (source.features->empty() || target.features->empty()) return {};
   std::srand(1);  // which both draw from
   registration.setSourceFeatures(source.features);
   registration.setTargetFeatures(target.features);
-  const double range = kInlierDistance * params.voxel;
+  const double range = kInlierDistance * kVoxel;
   return refined(run(registration, source.cloud, target.cloud, Eigen::Matrix4f::Identity(), range), source,
-                 target, params);
+                 target);
 }
 
-CloudAnswer byPrerejection(const Described& source, const Described& target, const PeerParams& params) {
+CloudAnswer byPrerejection(const Described& source, const Described& target) {
   pcl::SampleConsensusPrerejective<pcl::PointXYZ, pcl::PointXYZ, pcl::FPFHSignature33> registration;
   registration.setMaximumIterations(kPrerejectiveIterations);
   registration.setNumberOfSamples(3);
   registration.setCorrespondenceRandomness(5);
   registration.setSimilarityThreshold(0.9f);
-  registration.setMaxCorrespondenceDistance(kInlierDistance * params.voxel);
+  registration.setMaxCorrespondenceDistance(kInlierDistance * kVoxel);
   registration.setInlierFraction(0.25f);
-  return alignFeatures(registration, source, target, params);
+  return alignFeatures(registration, source, target);
 }
 
-CloudAnswer byInitialAlignment(const Described& source, const Described& target, const PeerParams& params) {
+CloudAnswer byInitialAlignment(const Described& source, const Described& target) {
   pcl::SampleConsensusInitialAlignment<pcl::PointXYZ, pcl::PointXYZ, pcl::FPFHSignature33> registration;
-  registration.setMinSampleDistance(static_cast<float>(kSampleDistance * params.voxel));
-  registration.setMaxCorrespondenceDistance(kInlierDistance * params.voxel);
+  registration.setMinSampleDistance(static_cast<float>(kSampleDistance * kVoxel));
+  registration.setMaxCorrespondenceDistance(kInlierDistance * kVoxel);
   registration.setMaximumIterations(kInitialIterations);
-  return alignFeatures(registration, source, target, params);
+  return alignFeatures(registration, source, target);
 }
 
-CloudAnswer byGicp(const Cloud::ConstPtr& source, const Cloud::ConstPtr& target, const PeerParams& params) {
-  const Cloud::Ptr a = thinned(*source, params.voxel, params.max_depth),
-                   b = thinned(*target, params.voxel, params.max_depth);
+CloudAnswer byGicp(const Cloud::ConstPtr& source, const Cloud::ConstPtr& target) {
+  const Cloud::Ptr a = thinned(*source, kVoxel), b = thinned(*target, kVoxel);
   if (a->size() < kLeastPoints || b->size() < kLeastPoints) return {};
   pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
-  gicp.setMaxCorrespondenceDistance(params.gicp_distance);
+  gicp.setMaxCorrespondenceDistance(kGicpDistance);
   gicp.setMaximumIterations(kIcpIterations);
-  return run(gicp, a, b, Eigen::Matrix4f::Identity(), kInlierDistance * params.voxel);
+  return run(gicp, a, b, Eigen::Matrix4f::Identity(), kInlierDistance * kVoxel);
 }
 
 // Follows the tutorial "How to use Normal Distributions Transform".
-CloudAnswer byNdt(const Cloud::ConstPtr& source, const Cloud::ConstPtr& target, const PeerParams& params) {
-  const Cloud::Ptr a = thinned(*source, params.ndt_voxel, params.max_depth),
-                   b = thinned(*target, params.voxel / 2, params.max_depth);
+CloudAnswer byNdt(const Cloud::ConstPtr& source, const Cloud::ConstPtr& target) {
+  const Cloud::Ptr a = thinned(*source, kNdtVoxel), b = thinned(*target, kVoxel / 2);
   if (a->size() < kLeastPoints || b->size() < kLeastPoints) return {};
   pcl::NormalDistributionsTransform<pcl::PointXYZ, pcl::PointXYZ> ndt;
   ndt.setTransformationEpsilon(0.01);
   ndt.setStepSize(0.1);
-  ndt.setResolution(static_cast<float>(params.ndt_resolution));
+  ndt.setResolution(kNdtResolution);
   ndt.setMaximumIterations(35);
-  return run(ndt, a, b, Eigen::Matrix4f::Identity(), kInlierDistance * params.voxel);
+  return run(ndt, a, b, Eigen::Matrix4f::Identity(), kInlierDistance * kVoxel);
 }
 
 }  // namespace
 
-std::vector<CloudRegistration> peers(const PeerParams& params) {
-  const auto by_features = [params](auto* align) {
-    return [params, align](const Cloud::ConstPtr& source, const Cloud::ConstPtr& target) {
-      return align(describe(*source, params), describe(*target, params), params);
-    };
-  };
-  const auto by_points = [params](auto* align) {
-    return [params, align](const Cloud::ConstPtr& source, const Cloud::ConstPtr& target) {
-      return align(source, target, params);
+std::vector<CloudRegistration> peers() {
+  const auto by_features = [](auto* align) {
+    return [align](const Cloud::ConstPtr& source, const Cloud::ConstPtr& target) {
+      return align(describe(*source), describe(*target));
     };
   };
   return {{"FPFH, SampleConsensusPrerejective, ICP", by_features(byPrerejection)},
           {"FPFH, SampleConsensusInitialAlignment, ICP", by_features(byInitialAlignment)},
-          {"GICP", by_points(byGicp)},
-          {"NDT", by_points(byNdt)}};
+          {"GICP", byGicp},
+          {"NDT", byNdt}};
 }
 
 }  // namespace facetloc::benchmarks

@@ -61,11 +61,8 @@ public:
   /** \brief Builds the map as facetloc_map does, and sees the query with the map's camera. */
   Map see(const ViewParams& params, bool calibrated = true);
 
-  /** \brief Sees the query with the camera of a map that is there already. */
-  void seeQuery(const Map& map, const ViewParams& params);
-
-  /** \brief The same, and the local models of that map, which have poses in the world, take the place of
-   * those of the run map/. */
+  /** \brief Sees the query with the camera of a map that is there already, whose local models, which have
+   * poses in the world, take the place of those of the run map/. */
   void use(const Map& map, const ViewParams& params);
 
   /** \brief Does a local model show what a camera sees from there? */
@@ -80,6 +77,7 @@ public:
   const SeenRun& query() const { return query_; }
 
 private:
+  void seeQuery(const Map& map, const ViewParams& params);
   Map map(const Camera& camera) const;
 
   PlaceTruth truth_;

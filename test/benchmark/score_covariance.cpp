@@ -2,10 +2,10 @@
 //
 // How well stated covariances agree with the errors of poses.
 //
-//   score_covariance [--kinds single,pair,motion,sequence] [--truth-deg DEG] [--truth-mm MM]
-//   [--run query] [--map FILE] [--map-poses poses.txt] [--csv FILE] [--GROUP.PARAMETER VALUE] PLACE...
+//   score_covariance [--truth-deg DEG] [--truth-mm MM] [--map-poses poses.txt] [--csv FILE]
+//   [--GROUP.PARAMETER VALUE] PLACE...
 //
-// Each PLACE is a folder with a run map/, which makes the map by the paper's rule, and another run that is
+// Each PLACE is a folder with a run map/, which makes the map by the paper's rule, and a run query/ that is
 // compared with its true poses, in four ways: each image alone in the map (single), image against image, by
 // distance (pair), from each N-th image to the next (motion), and all images in a row (sequence).
 // A pose is right within 0.3 m and 5 deg; right ones alone count for the covariance. Printed are how many are
@@ -24,11 +24,9 @@
 #include "ranking/global_localization.h"
 
 #include <facetloc/io/atomic_file.h>
-#include <facetloc/io/map_database.h>
 #include <facetloc/localization/localizer.h>
 #include <facetloc/registration/pair_registration.h>
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -50,6 +48,7 @@ constexpr double kMostTurned = 45 * kDegree;               // between two views
 constexpr double kLeastOverlap = 0.3;                      // overlap of two views
 constexpr double kPairRotation = 60, kPairDistance = 1.5;  // prior of a pair [deg], [m]
 constexpr int kPairAttempts = 50000;
+constexpr std::array<std::size_t, 4> kGaps = {1, 2, 4, 8};  // images from one to the next, of motions
 constexpr std::uint32_t kSeed = 1;
 
 /** The answer of one kind of localization for one image. */
@@ -119,12 +118,6 @@ void writeCsv(const fs::path& path, const std::vector<Tally>& tallies) {
   });
 }
 
-std::vector<std::string> listOf(const std::string& text) {
-  std::vector<std::string> all;
-  for (const std::string_view part : text::split(text, ',')) all.emplace_back(text::trimmed(part));
-  return all;
-}
-
 /** Pairs (view, other view) of a run that overlap and are so far apart; a fixed seed chooses them. */
 std::vector<std::pair<std::size_t, std::size_t>> choosePairs(const PosedRun& run,
                                                              const std::vector<DepthImage>& images,
@@ -156,12 +149,8 @@ public:
 private:
   void addOptions(CommandLine& line) override {
     line.addArguments("PLACE", places_);
-    line.addOption("run", run_, "NAME", "The run that is localized.");
     line.addOption("every", every_, "N", "See only every N-th image.");
-    line.addOption("kinds", kinds_, "KIND,...", "Kinds that are compared: single,pair,motion,sequence.");
-    line.addOption("gaps", gaps_, "N,...", "Images from one to the next, of motions.");
     line.addOption("pairs", pairs_, "N", "Largest number of pairs of each distance.");
-    line.addOption("map", map_, "FILE", "Map (.flmap) that is used instead of one of PLACE/map.");
     line.addOption("map-poses", map_poses_, "NAME", "File in PLACE/map with the poses of the map (TUM).");
     line.addOption("truth-deg", truth_deg_, "DEG", "Error of true orientations, root mean square [deg].");
     line.addOption("truth-mm", truth_mm_, "MM", "Error of true positions, root mean square [mm].");
@@ -261,63 +250,29 @@ private:
     return answers;
   }
 
-  bool wants(const std::string& kind) const {
-    const std::vector<std::string> kinds = listOf(kinds_);
-    return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
-  }
-
-  /** Either one that is there already, or the place's own by the paper's rule. */
-  Map mapOfPlace(MappedPlace& place) const {
-    Map map = map_.empty() ? place.see(view_) : readMap(map_);
-    if (map_.empty())
-      benchmarks::findAmbiguity(map, localization_);
-    else
-      place.seeQuery(map, view_);
-    return map;
-  }
-
   std::vector<Tally> tallies(const std::string& folder) const {
-    MappedPlace place(folder, static_cast<std::size_t>(every_), run_, map_poses_);
-    const auto map = std::make_shared<const Map>(mapOfPlace(place));
+    MappedPlace place(folder, static_cast<std::size_t>(every_), "query", map_poses_);
+    Map seen = place.see(view_);
+    benchmarks::findAmbiguity(seen, localization_);
+    const auto map = std::make_shared<const Map>(std::move(seen));
     const PosedRun run = place.posedQuery();
     std::vector<Tally> all;
     const auto add = [&](const std::string& kind, const std::vector<Answer>& answers) {
       count(answers, run, all.emplace_back(Tally{"", kind, ""}));
     };
-    if (wants("single")) add("single", singleAnswers(map, run));
-    if (wants("pair"))
-      for (Tally& tally : pairs(place, run)) all.push_back(std::move(tally));
-    if (wants("motion"))
-      for (const std::size_t gap : gapsOf()) all.push_back(motions(run, gap));
-    if (wants("sequence")) add("sequence", sequenceAnswers(map, run));
+    add("single", singleAnswers(map, run));
+    for (Tally& tally : pairs(place, run)) all.push_back(std::move(tally));
+    for (const std::size_t gap : kGaps) all.push_back(motions(run, gap));
+    add("sequence", sequenceAnswers(map, run));
     const fs::path path = fs::path(folder).lexically_normal();
     for (Tally& tally : all)
       tally.place = (path.has_filename() ? path : path.parent_path()).filename().string();
     return all;
   }
 
-  std::vector<std::size_t> gapsOf() const {
-    std::vector<std::size_t> gaps;
-    for (const std::string& word : listOf(gaps_)) {
-      const auto gap = text::to<int>(word);
-      if (!gap || *gap < 1) throw UsageError("gaps must be positive numbers");
-      gaps.push_back(static_cast<std::size_t>(*gap));
-    }
-    return gaps;
-  }
-
-  void checkOptions() const {
+  int execute(const CommandLine&, const Console& console) override {
     if (every_ < 1 || pairs_ < 1) throw UsageError("every and pairs must be positive");
     if (!(truth_deg_ >= 0 && truth_mm_ >= 0)) throw UsageError("errors of the truth must not be negative");
-    gapsOf();
-    for (const std::string& kind : listOf(kinds_))
-      if (kind != "single" && kind != "pair" && kind != "motion" && kind != "sequence")
-        throw UsageError("unknown kind '" + kind + "'; there are: single pair motion sequence");
-  }
-
-  int execute(const CommandLine&, const Console& console) override {
-    checkOptions();
-    if (!map_.empty() && places_.size() != 1) throw UsageError("a map has one place");
     std::vector<Tally> all;
     for (const std::string& folder : places_)
       for (Tally& tally : tallies(folder)) all.push_back(std::move(tally));
@@ -329,8 +284,7 @@ private:
   }
 
   std::vector<std::string> places_;
-  std::string map_, run_ = "query", kinds_ = "single,pair,motion,sequence", gaps_ = "1,2,4,8", map_poses_,
-                    csv_;
+  std::string map_poses_, csv_;
   int every_ = 1, pairs_ = 100;
   double truth_deg_ = 0, truth_mm_ = 0;
   ViewParams view_;

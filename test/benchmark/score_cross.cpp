@@ -2,7 +2,7 @@
 //
 // How often is an answer sure in a map of another place, where every answer is wrong?
 //
-//   score_cross [--every N] [--csv FILE] [--GROUP.PARAMETER VALUE] MAPS... RECORDINGS...
+//   score_cross [--every N] [--GROUP.PARAMETER VALUE] MAPS... RECORDINGS...
 //
 // MAPS end in .flmap, the rest are RECORDINGS; of a folder with a run query/, that run. Each recording is
 // localized image by image in the maps of all other places. A place is called by the name of the map's file,
@@ -14,7 +14,6 @@
 #include "inputs/localization_options.h"
 #include "programs.h"
 
-#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/localization/localizer.h>
@@ -42,10 +41,8 @@ struct Input {
   fs::path path;
 };
 
-struct Answer {
-  std::string map, recording, frame;
-  double probability = 0, score = 0;
-};
+/** The probability of each image's first place; 0 without one. */
+using Probabilities = std::vector<double>;
 
 bool isRun(const std::string& name) {
   return name == "map" || name == "query" || name == "drive" || name == "depth";
@@ -72,6 +69,11 @@ std::string percent(std::size_t n, std::size_t of) {
   return of == 0 ? "-" : fmt::format("{:.2f} %", benchmarks::percent(n, of));
 }
 
+std::size_t countFrom(double threshold, const Probabilities& answers) {
+  return static_cast<std::size_t>(
+      std::count_if(answers.begin(), answers.end(), [&](double p) { return p >= threshold; }));
+}
+
 class CrossApp : public App {
 public:
   CrossApp()
@@ -84,7 +86,6 @@ private:
   void addOptions(CommandLine& line) override {
     line.addArguments("MAPS... RECORDINGS...", inputs_);
     line.addOption("every", every_, "N", "Ask every N-th image of a recording.");
-    line.addOption("csv", csv_, "FILE", "Write each answer to this file.");
     input_.addOptions(line);
     addLocalizationOptions(line, localization_);
   }
@@ -98,9 +99,9 @@ private:
     }
     if (maps.empty() || recordings.empty()) throw UsageError("at least one map and one recording");
     TextTable table({"map", "recordings", "images", "p >= 0.5", "0.9", "0.99", "0.999", "highest p"});
-    std::vector<Answer> all;
+    Probabilities all;
     for (const Input& map : maps) {
-      const std::vector<Answer> of_map = answersIn(map, recordings, line, console);
+      const Probabilities of_map = answersIn(map, recordings, line, console);
       std::size_t others = 0;
       for (const Input& recording : recordings) others += recording.place != map.place;
       addRow(table, map.place, others, of_map);
@@ -108,71 +109,53 @@ private:
     }
     addRow(table, "all", recordings.size(), all);
     console.out << table;
-    std::size_t sure = 0;
-    for (const Answer& answer : all) sure += answer.probability >= kThresholds[1];
+    const std::size_t sure = countFrom(kThresholds[1], all);
     console.out << fmt::format(
         "of {} images, none of which the map holds, {} are sure at p >= 0.9: {}, with 95 % "
         "confidence at most {:.2f} %\n",
         all.size(), sure, percent(sure, all.size()), 100 * upperLimitOfShare(sure, all.size(), 0.95));
-    if (!csv_.empty()) write(all);
     return kOk;
   }
 
-  std::vector<Answer> answersIn(const Input& of_map, const std::vector<Input>& recordings,
-                                const CommandLine& line, const Console& console) const {
+  Probabilities answersIn(const Input& of_map, const std::vector<Input>& recordings, const CommandLine& line,
+                          const Console& console) const {
     const auto map = std::make_shared<const Map>(openMap(of_map.path));
     const Localizer localizer(map, {}, localization_);
-    std::vector<Answer> answers;
+    Probabilities answers;
     for (const Input& recording : recordings) {
       if (recording.place == of_map.place) continue;
       const DepthSequence sequence = openSequence(recording.path.string(), input_.recording, console);
       const Camera camera = map->calibrated(input_.camera(sequence.camera(), line));
       const auto every = static_cast<std::size_t>(every_);
       const std::size_t n = (sequence.frames().size() + every - 1) / every;
-      std::vector<std::optional<Answer>> found(n);
+      std::vector<std::optional<double>> found(n);
       Batch batch(threads(), n, console);
       std::vector<ViewBuilder> builders(batch.workers(), ViewBuilder(camera, input_.view));
       batch.run([&](std::size_t i) { return sequence.frames()[i * every].path.string(); },
                 [&](std::size_t i, int worker) {
                   const View view = viewOf(sequence, i * every, input_.width, builders[worker]);
                   const Localization answer = localizer.localize(view);
-                  found[i] = {of_map.place, recording.place, sequence.frames()[i * every].name};
-                  if (answer.hypotheses.empty()) return;
-                  found[i]->probability = answer.hypotheses.front().probability;
-                  found[i]->score = answer.hypotheses.front().score;
+                  found[i] = answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability;
                 });
       batch.report();
-      for (const std::optional<Answer>& answer : found)
+      for (const std::optional<double>& answer : found)
         if (answer) answers.push_back(*answer);
     }
     return answers;
   }
 
   static void addRow(TextTable& table, const std::string& name, std::size_t recordings,
-                     const std::vector<Answer>& answers) {
+                     const Probabilities& answers) {
     std::vector<std::string> cells = {name, std::to_string(recordings), std::to_string(answers.size())};
-    double highest = 0;
-    for (const Answer& answer : answers) highest = std::max(highest, answer.probability);
     for (const double threshold : kThresholds)
-      cells.push_back(percent(
-          static_cast<std::size_t>(std::count_if(
-              answers.begin(), answers.end(), [&](const Answer& a) { return a.probability >= threshold; })),
-          answers.size()));
-    cells.push_back(fmt::format("{:.4f}", highest));
+      cells.push_back(percent(countFrom(threshold, answers), answers.size()));
+    cells.push_back(
+        fmt::format("{:.4f}", answers.empty() ? 0 : *std::max_element(answers.begin(), answers.end())));
     table.add(cells);
-  }
-
-  void write(const std::vector<Answer>& answers) const {
-    writeTextAtomically(csv_, [&](std::ostream& out) {
-      out << "map,recording,frame,probability,score\n";
-      for (const Answer& a : answers)
-        out << fmt::format("{},{},{},{:.6f},{:.3f}\n", a.map, a.recording, a.frame, a.probability, a.score);
-    });
   }
 
   std::vector<std::string> inputs_;
   int every_ = 1;
-  std::string csv_;
   DepthInput input_;
   GlobalLocalizationParams localization_;
 };

@@ -57,12 +57,10 @@ constexpr int kLengths[] = {1, 10, 20, 40, 50, 75, 100, 150, 200, 300, 500, 1000
 struct Options {
   std::string floors;
   int queries = 200, exhaustive = 0, first_seed = 1;
-  bool misses = false;
   ShortlistParams shortlist;
 };
 
 struct Question {
-  std::string name;
   View view;
   Eigen::Isometry3d T_w_c;
   std::vector<int> shown_by;  // local models that give the right pose
@@ -144,10 +142,7 @@ public:
           floor = simulatedFloor(options_.floors, floors_[k].scene, floors_[k].seed);
         const std::size_t i = chosen.size() * all / wanted - before;
         const LocalModel& q = floor.query.models[i];
-        chosen.push_back({floors_[k].name() + "/" + q.name,
-                          *floor.query.view(static_cast<int>(i)),
-                          placeOf(k) * *q.T_w_m,
-                          {}});
+        chosen.push_back({*floor.query.view(static_cast<int>(i)), placeOf(k) * *q.T_w_m, {}});
         chosen.back().view.camera = std::make_shared<const Camera>(floor.query.camera);
       }
     }
@@ -307,9 +302,6 @@ void score(const Options& options, Building& building, std::size_t n, std::FILE*
     const auto first = std::find_if(list.begin(), list.end(), [&q](int m) { return q.isShownBy(m); });
     ranks.push_back(first == list.end() ? std::numeric_limits<int>::max()
                                         : static_cast<int>(first - list.begin()));
-    if (options.misses && ranks.back() > options.shortlist.size)
-      std::printf("  %s: rank %d of %zu, %zu segments\n", q.name.c_str(), ranks.back(), list.size(),
-                  q.view.segments.size());
   }
   const double vote = mean(1e3 * seconds(start), queries.size());
   std::printf("%zu queries, %zu answerable; aligned in %.1f ms\n", queries.size(), ranks.size(), vote);
@@ -383,7 +375,6 @@ private:
     line.addOption("exhaustive", options_.exhaustive, "N", "Localize N of them with all models as well.");
     line.addOption("first-seed", options_.first_seed, "N", "Seed of the first floors.");
     line.addOption("csv", csv_, "FILE", "Write the recall of the best aligned models.");
-    line.addSwitch("misses", options_.misses, "Print the queries that a shortlist misses.");
     line.addParams(options_.shortlist, "shortlist");
   }
 

@@ -3,19 +3,18 @@
 // How well trajectories are found from depth images alone, against the true ones.
 //
 //   facetloc_simulate office -o office1 --seed 1 --width 320 --runs map; ...
-//   score_mapping [-o DIR] [--GROUP.PARAMETER VALUE] RECORDING...
+//   score_mapping [--GROUP.PARAMETER VALUE] RECORDING...
 //   score_mapping --gaps 4 [--seed N] RECORDING...
 //
 // Each RECORDING is a depth sequence with groundtruth.txt, such as office1/map. The yardstick is generalized
-// ICP from image to image. With -o, DIR/NAME.txt are the trajectories, for facetloc_evaluate. With --gaps,
-// the pieces of recordings from which some seconds are missing, each aligned separately.
+// ICP from image to image. With --gaps, the pieces of recordings from which some seconds are missing, each
+// aligned separately.
 #include "cli/app.h"
 #include "evaluation/alignment.h"
 #include "evaluation/trajectory_errors.h"
 #include "gicp_odometry.h"
 #include "programs.h"
 
-#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/mapping/trajectory_estimation.h>
 #include <facetloc/segmentation/view_builder.h>
@@ -23,7 +22,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <numeric>
 #include <random>
@@ -33,10 +31,7 @@
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace facetloc;
-using benchmarks::GicpOdometry, benchmarks::GicpOdometryParams;
-
 constexpr double kPoseTolerance = 0.02;  // [s]
 constexpr double kMillimetres = 1000, kPercent = 100;
 constexpr double kGap = 3;                       // length of a gap [s]
@@ -75,9 +70,9 @@ struct Found {
   double ms_per_image = 0;
 };
 
-Found byGicp(const DepthSequence& sequence, const GicpOdometryParams& params) {
+Found byGicp(const DepthSequence& sequence) {
   Found found;
-  GicpOdometry odometry(params);
+  benchmarks::GicpOdometry odometry;
   const auto start = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < sequence.frames().size(); ++i)
     found.poses.push_back({sequence.frames()[i].stamp, odometry.add(sequence.load(i, kWorkingWidth))});
@@ -186,12 +181,6 @@ void print(const std::string& name, const Found& found, const TrajectoryErrors& 
   std::fflush(stdout);
 }
 
-/** "office1/map" -> "office1_map", for files. */
-std::string fileNameOf(const std::string& recording) {
-  const fs::path path = (fs::absolute(recording) / "").lexically_normal().parent_path();
-  return path.parent_path().filename().string() + "_" + path.filename().string();
-}
-
 class ScoreMappingApp : public App {
 public:
   ScoreMappingApp()
@@ -202,28 +191,23 @@ public:
 private:
   void addOptions(CommandLine& line) override {
     line.addArguments("RECORDING", recordings_);
-    line.addOption("output,o", folder_, "DIR", "Write the trajectories here.");
     line.addSwitch("without-mounting", without_mounting_, "Take every camera for one in the hand.");
-    line.addSwitch("without-gicp", without_gicp_, "Leave out the yardstick.");
     line.addOption("gaps", gaps_, "N", "Score the pieces of each recording without N gaps of 3 s.");
     line.addOption("seed", seed_, "N", "Seed of the times of the gaps.");
     line.addParams(mapping_, "mapping");
-    line.addParams(gicp_, "gicp", CommandLine::Shown::in_help);
   }
 
-  int execute(const CommandLine&, const Console& console) override {
+  int execute(const CommandLine&, const Console&) override {
     if (gaps_ > 0) {
       scorePieces();
       return kOk;
     }
-    if (!folder_.empty()) createFolders(folder_);
     printHeader();
     for (const std::string& name : recordings_) {
       const DepthSequence sequence = DepthSequence::open(name);
-      judge(name, "planes", largestPiece(found(sequence, allOf(sequence))), sequence);
-      if (!without_gicp_) judge(name, "gicp", byGicp(sequence, gicp_), sequence);
+      judge(name + " planes", largestPiece(found(sequence, allOf(sequence))), sequence);
+      judge(name + " gicp", byGicp(sequence), sequence);
     }
-    if (!folder_.empty()) console.out << "trajectories in " << folder_ << "\n";
     return kOk;
   }
 
@@ -240,20 +224,14 @@ private:
     }
   }
 
-  void judge(const std::string& name, const std::string& method, const Found& found,
-             const DepthSequence& sequence) const {
-    print(name + " " + method, found,
-          trajectoryErrors(Trajectory(found.poses), sequence.groundTruth(), kPoseTolerance));
-    if (!folder_.empty())
-      writeTumTrajectory(fs::path(folder_) / (fileNameOf(name) + "_" + method + ".txt"), found.poses);
+  static void judge(const std::string& name, const Found& found, const DepthSequence& sequence) {
+    print(name, found, trajectoryErrors(Trajectory(found.poses), sequence.groundTruth(), kPoseTolerance));
   }
 
   std::vector<std::string> recordings_;
-  std::string folder_;
-  bool without_mounting_ = false, without_gicp_ = false;
+  bool without_mounting_ = false;
   int gaps_ = 0, seed_ = 1;
   MappingParams mapping_;
-  GicpOdometryParams gicp_;
 };
 
 }  // namespace

@@ -209,7 +209,6 @@ struct Options {
   ViewParams view;
   RegistrationParams registration;
   PairChoice pairs;
-  PeerParams peers;
   Camera camera;
   bool clouds = false, with_peers = false;
   std::vector<std::string> folders, others;
@@ -229,8 +228,8 @@ struct Options {
       return preset;
     }
     if (argument.rfind("--", 0) != 0) return folders.push_back(argument), true;
-    return setByArgument(pairs, argument) || setByArgument(peers, argument) ||
-           setByArgument(view, argument) || setByArgument(registration, argument);
+    return setByArgument(pairs, argument) || setByArgument(view, argument) ||
+           setByArgument(registration, argument);
   }
 };
 
@@ -271,7 +270,7 @@ void run(int argc, char** argv) {
     pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
     std::vector<CloudRegistration> ways = ours(options.camera);
     if (options.with_peers)
-      for (CloudRegistration& way : peers(options.peers)) ways.push_back(std::move(way));
+      for (CloudRegistration& way : peers()) ways.push_back(std::move(way));
     return scoreClouds(ways, frames, related, unrelated);
   }
   ViewBuilder builder(options.camera, options.view);

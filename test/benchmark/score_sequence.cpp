@@ -69,23 +69,11 @@ private:
     line.addOption("start", start_, "N", "Start at every N-th of these.");
     line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
     line.addSwitch("unknown", unknown_, "Take the local models around the way out of the map.");
-    line.addSwitch("courses", courses_, "Print every image of every start.");
     line.addPresets();
     line.addParams(view_);
     line.addParams(evaluation_, "evaluation");
     line.addParams(sequence_, "sequence");
     addLocalizationOptions(line, localization_);
-  }
-
-  static void print(std::size_t start, std::size_t image, double gone, bool right, const PoseError& error,
-                    const Localization& answer) {
-    std::printf("start %zu, image %zu, after %.2f m: %s%s%s%s, p %.3f, nowhere %.3f, %zu places, %.0f mm "
-                "%.1f deg; %s\n",
-                start, image, gone, toString(answer.state), right ? ", right" : "",
-                answer.searched ? ", searched" : "", answer.began_anew ? ", carried away" : "",
-                answer.hypotheses.empty() ? 0 : answer.hypotheses.front().probability,
-                answer.not_in_map.value_or(1), answer.hypotheses.size(), 1e3 * error.translation,
-                error.rotation_deg, answer.reason.c_str());
   }
 
   Course follow(Localizer& sequence, const PosedRun& seen, std::size_t start) const {
@@ -98,13 +86,9 @@ private:
       const auto begin = std::chrono::steady_clock::now();
       const Localization answer = sequence.update(seen.views[i], seen.stamps[i]);
       course.milliseconds += benchmarks::milliseconds(begin);
-      bool right = false;
-      PoseError error;
-      if (!answer.hypotheses.empty()) {
-        error = poseError(*answer.hypotheses.front().T_w_c, seen.truth[i]);
-        right = error.translation <= evaluation_.max_translation &&
-                error.rotation_deg <= evaluation_.max_rotation_deg;
-      }
+      const bool right =
+          !answer.hypotheses.empty() && isNear(*answer.hypotheses.front().T_w_c, seen.truth[i],
+                                               evaluation_.max_translation, evaluation_.max_rotation_deg);
       const bool sure = answer.state == AnswerState::sure;
       ++course.images;
       course.sure += sure;
@@ -112,7 +96,6 @@ private:
       course.rank1 += right, course.searches += answer.searched, course.carried += answer.began_anew;
       course.places += static_cast<int>(answer.hypotheses.size());
       course.ever_wrong = course.ever_wrong || (sure && !right);
-      if (courses_) print(start, i, gone, right, error, answer);
       while ((unknown_ || seen.covered[i]) && next < kMetres.size() && gone >= kMetres[next]) {
         course.state[next] = answer.state, course.right[next] = right;
         ++next;
@@ -206,7 +189,7 @@ private:
   std::string run_ = "drive";
   double way_ = 5, radius_ = 3;
   int every_ = 3, start_ = 10;
-  bool unknown_ = false, courses_ = false;
+  bool unknown_ = false;
   ViewParams view_;
   EvaluationParams evaluation_;
   LocalizerParams sequence_;

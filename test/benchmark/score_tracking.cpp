@@ -3,14 +3,13 @@
 // How well a camera is tracked on simulated floors, in the time that it really has.
 //
 //   facetloc_simulate office -o office1 --runs map,drive --width 320; ...
-//   score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--frames] [--GROUP.PARAMETER VALUE] FLOOR...
+//   score_tracking [--kidnap SECONDS] [--busy MS] [--step MS] [--GROUP.PARAMETER VALUE] FLOOR...
 //
 // For each floor a map is built of its run map/ by the paper's rule, and its run drive/ is tracked in it. A
 // view that is searched in the whole map takes --busy ms (300), and tracking one takes --step ms (40, with
 // segmentation): images in the meantime are dropped, as in a live run. With --kidnap it is tracked once
 // more, jumping by half of its length every SECONDS; the time until it is found again counts from
-// the jump, and once more only where a local model shows the place, within 1 m and 20 deg. --frames prints
-// every frame.
+// the jump, and once more only where a local model shows the place, within 1 m and 20 deg.
 #include "cli/app.h"
 #include "mapped_place.h"
 #include "programs.h"
@@ -37,7 +36,6 @@ constexpr double kGoodTranslation = 0.05, kGoodRotation = 1 * kDegree;
 struct Options {
   double kidnap = 0;  // [s]
   double busy_ms = 300, step_ms = 40;
-  bool frames = false;
   LocalizerParams localizer;
 };
 
@@ -129,17 +127,6 @@ Score track(const Floor& floor, const Options& options) {
         score.nees += nees;
       }
     }
-    if (options.frames) {
-      Vector6d std = Vector6d::Zero();
-      const Hypothesis best = pose.hypotheses.empty() ? Hypothesis() : pose.hypotheses.front();
-      if (pose.T_w_c) std = pose.T_w_c->P.diagonal().cwiseSqrt();
-      std::printf("%8.3f %5zu %s %-11s %c %6.1f mm %5.2f deg  std %5.1f mm %5.2f deg  nees %7.1f  "
-                  "model %4d %2zu pairs  p %.2f  %5.1f ms  %s\n",
-                  now, k, floor.covered[k] ? "in map" : "      ", stateName(pose.tracking), good ? '+' : '-',
-                  1e3 * e.tail<3>().norm(), e.head<3>().norm() / kDegree, 1e3 * std.tail<3>().maxCoeff(),
-                  std.head<3>().maxCoeff() / kDegree, nees, best.model, best.pairs.size(), best.probability,
-                  ms, pose.reason.c_str());
-    }
   }
   return score;
 }
@@ -178,7 +165,6 @@ private:
     line.addOption("kidnap", options_.kidnap, "SECONDS", "Track it once more, with a jump after each.");
     line.addOption("busy", options_.busy_ms, "MS", "Time of a search in the whole map.");
     line.addOption("step", options_.step_ms, "MS", "Time of tracking a view.");
-    line.addSwitch("frames", options_.frames, "Print every frame.");
     line.addParams(options_.localizer, "sequence");
   }
 

@@ -2,14 +2,12 @@
 //
 // Is a probability a frequency where the map lacks the place?
 //
-//   score_unknown [--radius 3] [--every N] [--densify | --map FILE] [--csv FILE] [--GROUP.PARAMETER VALUE]
-//   PLACE...
+//   score_unknown [--radius 3] [--every N] [--map FILE] [--GROUP.PARAMETER VALUE] PLACE...
 //
 // Each PLACE is a folder with a run map/ and a run query/, as facetloc_simulate makes them, or as recordings
 // have them. Every query is localized twice: in the whole map, and in a map that is made anew without the
-// local models within the radius of where the query was taken. With --densify, views beside the drive belong
-// to the whole map, and those within the radius are also taken out. With --map, a finished map with poses in
-// the world of the query, such as one of a model, takes the place of the run map/.
+// local models within the radius of where the query was taken. With --map, a finished map with poses in the
+// world of the query, such as one of a model or a densified one, takes the place of the run map/.
 #include "calibration/map_ambiguity.h"
 #include "cli/app.h"
 #include "inputs/localization_options.h"
@@ -17,16 +15,13 @@
 #include "programs.h"
 #include "ranking/global_localization.h"
 
-#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/mapping/densified_map.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -36,19 +31,16 @@
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace facetloc;
 using namespace facetloc::internal;
 using benchmarks::MappedPlace, benchmarks::percent, benchmarks::without;
 
 /** The outcome of one query in one map. */
 struct Answer {
-  std::string place, frame;
+  bool asked = false;    ///< the query has a true pose
   bool emptied = false;  ///< the map has no local model near the query
   bool covered = false;  ///< the whole map has one
   bool right = false;
-  int segments = 0;                       ///< segments of the view
-  std::optional<MapAmbiguity> ambiguity;  ///< ambiguity of the map
   Localization localization;
 
   double probability() const {
@@ -180,28 +172,6 @@ void print(const std::string& name, const std::vector<Answer>& answers) {
   std::fflush(stdout);
 }
 
-/** One line per answer with all that a probability may be made of. */
-void writeCsv(const fs::path& path, const std::vector<Answer>& answers) {
-  writeTextAtomically(path, [&](std::ostream& out) {
-    out << "place,frame,emptied,covered,right,segments,probability,score,consensus,evidence,compared,"
-           "agreeing,"
-           "contradicted,paired,pairs,supporting_models,second,third,fourth,ambiguity,asked\n";
-    for (const Answer& a : answers) {
-      const auto& h = a.localization.hypotheses;
-      if (h.empty()) continue;
-      const Hypothesis& best = h.front();
-      const Coverage& e = best.coverage;
-      out << a.place << ',' << a.frame << ',' << a.emptied << ',' << a.covered << ',' << a.right << ','
-          << a.segments << ',' << best.probability << ',' << best.score << ',' << best.consensus << ','
-          << best.evidence << ',' << e.compared << ',' << e.agreeing << ',' << e.contradicted << ','
-          << e.paired << ',' << best.pairs.size() << ',' << best.supporting_models.size();
-      for (std::size_t i = 1; i < 4; ++i) out << ',' << (i < h.size() ? h[i].score : best.score - 100);
-      const MapAmbiguity of_map = a.ambiguity.value_or(MapAmbiguity());
-      out << ',' << of_map.score << ',' << of_map.views << '\n';
-    }
-  });
-}
-
 class ScoreUnknownApp : public App {
 public:
   ScoreUnknownApp()
@@ -214,9 +184,7 @@ private:
     line.addArguments("PLACE", places_);
     line.addOption("radius", radius_, "M", "Distance of the local models that are taken out [m].");
     line.addOption("every", every_, "N", "Localize only every N-th image.");
-    line.addSwitch("densify", densify_, "Add rendered views to the whole map first.");
     line.addOption("map", map_, "FILE", "Use this map of the only PLACE instead of one of its run map/.");
-    line.addOption("csv", csv_, "FILE", "Write one line per answer, with its evidence.");
     line.addPresets();
     line.addParams(view_);
     line.addParams(evaluation_, "evaluation");
@@ -235,9 +203,8 @@ private:
     return map;
   }
 
-  std::vector<Answer> answersIn(MappedPlace& place, const std::string& name) const {
+  std::vector<Answer> answersIn(MappedPlace& place) const {
     Map seen = mapOfPlace(place);
-    if (densify_) densify(seen, {}, view_, 0);
     const GlobalLocalization asked(std::make_shared<const Map>(seen), localization_);
     const OwnViews own_views(asked);
     seen.ambiguity = own_views.ambiguityWithout([](int) { return false; });
@@ -261,49 +228,37 @@ private:
       const auto emptied = std::make_shared<const Map>(std::move(rest));
       for (const bool is_emptied : {false, true}) {
         Answer& answer = answers[2 * i + is_emptied];
-        answer = {name,
-                  frame.name,
-                  is_emptied,
-                  place.covers(*T_w_c),
-                  false,
-                  static_cast<int>(view.segments.size()),
-                  (is_emptied ? emptied : whole)->ambiguity,
-                  {}};
+        answer = {true, is_emptied, place.covers(*T_w_c), false, {}};
         answer.localization = is_emptied ? GlobalLocalization(emptied, localization_).localize(view)
                                          : localization.localize(view);
         answer.right = isRight(answer.localization, *T_w_c, evaluation_);
       }
     }
-    answers.erase(
-        std::remove_if(answers.begin(), answers.end(), [](const Answer& a) { return a.frame.empty(); }),
-        answers.end());
+    answers.erase(std::remove_if(answers.begin(), answers.end(), [](const Answer& a) { return !a.asked; }),
+                  answers.end());
     return answers;
   }
 
   int execute(const CommandLine&, const Console&) override {
     if (every_ < 1) throw UsageError("every must be positive");
     if (!map_.empty() && places_.size() > 1) throw UsageError("--map is of one PLACE");
-    if (!map_.empty() && densify_)
-      throw UsageError("--map and --densify exclude each other: densify the map first");
     printHeader();
     std::vector<Answer> all;
     for (const std::string& name : places_) {
       MappedPlace place(name, static_cast<std::size_t>(every_));
-      const std::vector<Answer> answers = answersIn(place, fs::path(name).filename().string());
+      const std::vector<Answer> answers = answersIn(place);
       print(name, answers);
       all.insert(all.end(), answers.begin(), answers.end());
     }
     print("all", all);
     Reliability(all).print();
-    if (!csv_.empty()) writeCsv(csv_, all);
     return kOk;
   }
 
   std::vector<std::string> places_;
   double radius_ = 3;
   int every_ = 1;
-  bool densify_ = false;
-  std::string csv_, map_;
+  std::string map_;
   ViewParams view_;
   EvaluationParams evaluation_;
   GlobalLocalizationParams localization_;
