@@ -4,9 +4,7 @@
 #include "cluttered_room.h"
 #include "ranking/global_localization.h"
 
-#include <facetloc/registration/planar_registration.h>
 #include <facetloc/segmentation/view_builder.h>
-#include <facetloc/testing/organized_clouds.h>
 
 #include <benchmark/benchmark.h>
 
@@ -82,38 +80,6 @@ BENCHMARK(localization)
     ->ArgsProduct({{2, 5, 30}, {1}, {1}})
     ->ArgsProduct({{2, 5, kPerRoom, 30, 142}, {1}, {0}})
     ->ArgsProduct({{142}, {0}, {0}})
-    ->Unit(benchmark::kMillisecond);
-
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-
-Cloud::Ptr cloudOf(const SimulatedWorld& scene, const Eigen::Isometry3d& T_w_c, std::uint64_t frame) {
-  return test::organizedCloud<pcl::PointXYZ>(
-      SimulatedCamera(kinectIntrinsics(), SimulatedNoise{}, kSeed).render(scene, T_w_c, frame).depth);
-}
-
-// Two clouds of 640x480 points as PCL's interface takes them: align() where the target stays, and its fitness
-// of a sample or, as through a pointer to PCL's class, of all points.
-enum Step { kAlign, kFitness, kFitnessOfAll };
-void registrationOfClouds(benchmark::State& state) {
-  const SimulatedWorld scene = clutteredRoom(kSeed);
-  PlanarRegistration<pcl::PointXYZ> registration;
-  registration.setInputSource(cloudOf(scene, cameraPose(0.3, 0.1, 0.1), 1));
-  registration.setInputTarget(cloudOf(scene, cameraPose(0.1, 0.1, 0), 2));
-  pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>& base = registration;
-  Cloud aligned;
-  base.align(aligned);
-  double score = 0;
-  for (auto _ : state) {
-    if (state.range(0) == kAlign) base.align(aligned);
-    if (state.range(0) == kFitness) score = registration.getFitnessScore();
-    if (state.range(0) == kFitnessOfAll) score = base.getFitnessScore();
-  }
-  state.counters["sure"] = base.hasConverged();
-  state.counters["score"] = score;
-}
-BENCHMARK(registrationOfClouds)
-    ->ArgName("step")
-    ->DenseRange(kAlign, kFitnessOfAll)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace

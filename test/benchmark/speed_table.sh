@@ -106,7 +106,7 @@ done
 for models in 12 142; do
   for dense in 0 1; do
     n=$(count benchmark_localization "^localization/models:$models/dense:$dense/shortlist:1" \
-        'facetloc::GlobalLocalization::localize(facetloc::View const&) const')
+        'facetloc::internal::GlobalLocalization::localize(facetloc::View const&) const')
     [ $dense = 0 ] && what="planes only" || what="all dense steps"
     echo "| one view in $models local models with the shortlist, $what | $(awk "BEGIN { printf \"%.1f\", $n / 1e6 }") M |"
   done
