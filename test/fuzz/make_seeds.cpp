@@ -3,7 +3,6 @@
 // formats: make_seeds FOLDER writes FOLDER/<target>/<name>.
 #include "../io/oni_writer.h"
 #include "batch/bytes.h"
-#include "bytes/sqlite.h"
 #include "small_map.h"
 
 #include <facetloc/features/depth_distortion.h>
@@ -16,7 +15,6 @@
 #include <pcl/io/pcd_io.h>
 
 #include <array>
-#include <fmt/format.h>
 #include <fstream>
 #include <iostream>
 #include <random>
@@ -120,24 +118,6 @@ std::string imageMessage() {
          bytesOf<std::uint32_t>({8}) + text(bytesOf<std::uint16_t>({1, 2, 3, 4, 5, 6, 7, 8}));
 }
 
-std::string record(char opcode, const std::string& content) {
-  return std::string(1, opcode) + bytesOf<std::uint64_t>({content.size()}) + content;
-}
-
-/** An MCAP of messages of ROS 1. \param chunked as one chunk that is not compressed */
-std::string mcap(bool chunked) {
-  const std::string message =
-      bytesOf<std::uint16_t>({1, 0, 0}) + bytesOf<std::uint64_t>({5, 5}) + imageMessage();
-  const std::string records =
-      record(3, bytesOf<std::uint16_t>({1}) + text("sensor_msgs/Image") + text("ros1msg") + text("")) +
-      record(4, bytesOf<std::uint16_t>({1, 1}) + text("/depth") + text("ros1") + text("")) +
-      record(5, message);
-  const std::string chunk = bytesOf<std::uint64_t>({5, 5, records.size()}) + bytesOf<std::uint32_t>({0}) +
-                            text("") + bytesOf<std::uint64_t>({records.size()}) + records;
-  return "\x89MCAP0\r\n" + record(1, text("") + text("")) + (chunked ? record(6, chunk) : records) +
-         record(15, bytesOf<std::uint32_t>({0}));
-}
-
 /** A record of a bag: its fields, and its data. */
 std::string bagRecord(const std::vector<std::string>& fields, const std::string& data) {
   std::string header;
@@ -178,27 +158,6 @@ std::string bag() {
   return begin + header(kHeader - header(0).size()) + chunk + connection + info;
 }
 
-/** A database of rosbag2 with one image. */
-std::string rosbag2() {
-  const Folder folder;
-  const fs::path path = folder.path() / "walk.db3";
-  {
-    sqlite::Connection db(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
-    db.execute("PRAGMA page_size = 512; CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, "
-               "serialization_format TEXT); CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, "
-               "timestamp INTEGER, data BLOB)");
-    db.execute("INSERT INTO topics VALUES(1, '/depth', 'sensor_msgs/msg/Image', 'cdr')");
-    const std::string image = std::string("\0\1\0\0", 4) + bytesOf<std::uint32_t>({5, 6, 7}) +
-                              std::string("camera\0\0", 8) + bytesOf<std::uint32_t>({2, 4, 6}) +
-                              std::string("16UC1\0\0\0", 8) + bytesOf<std::uint32_t>({8, 16}) +
-                              bytesOf<std::uint16_t>({1, 2, 3, 4, 5, 6, 7, 8});
-    std::string hex;
-    for (const char byte : image) hex += fmt::format("{:02x}", static_cast<unsigned char>(byte));
-    db.execute("INSERT INTO messages VALUES(1, 1, 5000000006, x'" + hex + "')");
-  }
-  return contentOf(path);
-}
-
 void makeMessages(const Seeds& seeds) {
   seeds.put("cdr", "image", "I" + imageMessage());
   const std::string header = bytesOf<std::uint32_t>({1, 2, 3}) + text("camera");
@@ -210,12 +169,7 @@ void makeMessages(const Seeds& seeds) {
             "K" + header + bytesOf<std::uint32_t>({2, 4}) + text("plumb_bob") + std::string(260, 0));
   seeds.put("cdr", "tf", "T" + bytesOf<std::uint32_t>({1}) + header + text("base") + std::string(56, 0));
   seeds.put("bags", "ros1", "b" + bag());
-  seeds.put("bags", "rosbag2", "d" + rosbag2());
-  seeds.put("bags", "folder",
-            "frosbag2_bagfile_information:\n  relative_file_paths:\n    - walk_0.db3\n---\n" + rosbag2());
   seeds.put("rvl", "five", rvl);
-  seeds.put("mcap", "chunk", mcap(true));
-  seeds.put("mcap", "plain", mcap(false));
   seeds.put("rtabmap", "rvl", "dDEPTHRVL" + rvl);
   seeds.put("rtabmap", "pose", "p" + bytesOf<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
   seeds.put("rtabmap", "camera",

@@ -17,7 +17,21 @@ export TMPDIR
 trap 'rm -rf "$TMPDIR"' EXIT
 export LSAN_OPTIONS=suppressions=$here/../../.ci/leaks:print_suppressions=0
 
-"$build/test/fuzz/make_seeds" "$build/fuzz/seeds"
+seeds=$build/fuzz/seeds
+"$build/test/fuzz/make_seeds" "$seeds"
+
+# Recordings of ROS 2, as tests have them: one image of 8x6 pixels; of small pages, of which most bytes mean something.
+raw=$TMPDIR/raw
+mkdir -p "$raw" "$seeds/mcap"
+echo 8 6 7 7 3.5 2.5 > "$raw/intrinsics.txt"
+head -c 96 /dev/zero | tr '\0' '\5' > "$raw/1.500000.raw"
+record() { rm -f "$1" && python3 "$here/../io/write_recording.py" "$raw" "$@"; }
+record "$seeds/mcap/chunk" mcap
+record "$seeds/mcap/plain" mcap unchunked
+record "$TMPDIR/walk.db3" db3
+python3 -c 'import sqlite3, sys; sqlite3.connect(sys.argv[1]).executescript("PRAGMA page_size = 512; VACUUM")' "$TMPDIR/walk.db3"
+{ printf d; cat "$TMPDIR/walk.db3"; } > "$seeds/bags/rosbag2"
+{ printf 'frosbag2_bagfile_information:\n  relative_file_paths:\n    - walk_0.db3\n---\n'; cat "$TMPDIR/walk.db3"; } > "$seeds/bags/folder"
 
 run() {
   local target=$1 folder=$build/fuzz/$1 corpus=()
