@@ -6,7 +6,6 @@
 
 #include <facetloc/io/error.h>
 
-#include <algorithm>
 #include <atomic>
 #include <sys/resource.h>
 

@@ -9,7 +9,6 @@
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/results.h>
 #include <facetloc/io/trajectory.h>
-#include <facetloc/testing/places.h>
 
 #include <json/json.h>
 

@@ -3,7 +3,6 @@
 #include "live_tool.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/io/results.h>
 #include <facetloc/testing/places.h>
 
 #include <json/json.h>

@@ -3,7 +3,6 @@
 
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/io/map_database.h>
-#include <facetloc/io/results.h>
 
 namespace facetloc::test {
 namespace {

@@ -2,7 +2,6 @@
 #include "live/odometry_input.h"
 #include "live_tool.h"
 
-#include <facetloc/io/camera_file.h>
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/testing/places.h>

@@ -4,7 +4,6 @@
 
 #include <facetloc/localization/localization_params.h>
 #include <facetloc/testing/places.h>
-#include <facetloc/testing/pose_matchers.h>
 
 #include <gtest/gtest.h>
 

@@ -3,9 +3,7 @@
 // Inputs after public reports, each with a check of the right outcome, where they lie beside the checkout.
 #include "example_room.h"
 
-#include <facetloc/features/organized_cloud.h>
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/io/results.h>
 #include <facetloc/testing/example_bag.h>
 #include <facetloc/testing/matchers.h>
 #include <facetloc/testing/organized_clouds.h>

@@ -15,7 +15,6 @@
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/segmentation/view_builder.h>
 #include <facetloc/simulation/simulated_camera.h>
-#include <facetloc/simulation/simulated_drive.h>
 
 #include <array>
 #include <cmath>

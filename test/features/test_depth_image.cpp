@@ -4,7 +4,6 @@
 #include <facetloc/features/depth_image.h>
 #include <facetloc/features/depth_picture.h>
 #include <facetloc/testing/random_segments.h>
-#include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/organized_cloud.h>
 #include <facetloc/features/region_frame.h>
 #include <facetloc/testing/organized_clouds.h>
 #include <facetloc/testing/pose_matchers.h>

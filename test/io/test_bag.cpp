@@ -3,7 +3,6 @@
 
 #include "recorded_sequence.h"
 
-#include <facetloc/features/camera_presets.h>
 
 namespace facetloc::test {
 namespace {

@@ -5,7 +5,6 @@
 #include <facetloc/io/camera_file.h>
 #include <facetloc/io/rig_file.h>
 #include <facetloc/testing/decimal_comma.h>
-#include <facetloc/testing/pose_matchers.h>
 
 #include <gmock/gmock.h>
 

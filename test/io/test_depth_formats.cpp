@@ -5,7 +5,6 @@
 #include "temporary_folder.h"
 
 #include <facetloc/io/depth_sequence.h>
-#include <facetloc/io/pclzf.h>
 
 #include <pcl/io/lzf_image_io.h>
 

@@ -5,7 +5,6 @@
 #include <facetloc/features/map_parts.h>
 #include <facetloc/features/segment_frame.h>
 #include <facetloc/io/camera_file.h>
-#include <facetloc/io/depth_sequence.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/io/trajectory.h>

@@ -5,7 +5,6 @@
 #include "ranking/global_localization.h"
 #include "ranking/place_ranking.h"
 
-#include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/testing/changed_views.h>
 #include <facetloc/testing/matchers.h>
 #include <facetloc/testing/pose_matchers.h>

@@ -6,7 +6,6 @@
 
 #include <memory>
 #include <random>
-#include <vector>
 
 namespace facetloc {
 namespace {

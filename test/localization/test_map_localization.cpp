@@ -5,7 +5,6 @@
 #include <facetloc/localization/map_localization.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/organized_clouds.h>
-#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>

@@ -3,7 +3,6 @@
 
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/changed_views.h>
-#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gtest/gtest.h>

@@ -3,7 +3,6 @@
 
 #include <facetloc/features/pose.h>
 #include <facetloc/testing/changed_views.h>
-#include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>

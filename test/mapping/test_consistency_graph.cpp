@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/consistency_graph.h"
 
-#include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>
 

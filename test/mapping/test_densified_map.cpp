@@ -4,9 +4,7 @@
 #include <facetloc/features/map_metadata.h>
 #include <facetloc/localization/sure_calibration.h>
 #include <facetloc/mapping/densified_map.h>
-#include <facetloc/mapping/map_making.h>
 #include <facetloc/mapping/map_session.h>
-#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_views.h>
 
 #include <gmock/gmock.h>

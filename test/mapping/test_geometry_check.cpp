@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <facetloc/features/pose.h>
 #include <facetloc/mapping/map_findings.h>
 #include <facetloc/mapping/map_making.h>
 #include <facetloc/testing/synthetic_views.h>

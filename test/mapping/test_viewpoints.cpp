@@ -5,7 +5,6 @@
 
 #include <facetloc/features/pose.h>
 #include <facetloc/mapping/mesh_surface.h>
-#include <facetloc/simulation/simulated_place.h>
 
 #include <gtest/gtest.h>
 

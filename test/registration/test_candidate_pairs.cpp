@@ -5,7 +5,6 @@
 #include <facetloc/registration/candidate_pairs.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/testing/convex_polygons.h>
-#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 
 #include <gtest/gtest.h>

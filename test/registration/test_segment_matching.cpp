@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl/segment_frames.h"
 
-#include <facetloc/features/segment_estimation.h>
 #include <facetloc/registration/pose_prior.h>
 #include <facetloc/registration/segment_matching.h>
 #include <facetloc/testing/random_segments.h>

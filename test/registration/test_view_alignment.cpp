@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nearby/view_alignment.h"
 
-#include <facetloc/features/camera_model.h>
 #include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_views.h>

@@ -3,7 +3,6 @@
 // Counts the allocations of this program and of the libraries that it uses, since operator new also calls
 // malloc.
 #include <facetloc/segmentation/view_builder.h>
-#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>
@@ -11,7 +10,6 @@
 #include <atomic>
 #include <cerrno>
 #include <cmath>
-#include <cstdlib>
 
 // Sanitizers have a malloc of their own; Clang's cannot be recognized here.
 #if defined(__GLIBC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&                           \

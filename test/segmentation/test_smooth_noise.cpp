@@ -2,7 +2,6 @@
 #include "base/image_noise.h"
 
 #include <facetloc/segmentation/view_builder.h>
-#include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 
 #include <gtest/gtest.h>

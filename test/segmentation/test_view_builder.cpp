@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <facetloc/segmentation/view_builder.h>
-#include <facetloc/testing/pose_matchers.h>
 #include <facetloc/testing/random_segments.h>
 #include <facetloc/testing/synthetic_depth.h>
 

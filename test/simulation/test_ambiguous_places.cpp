@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Places that say little of where a camera is: a bare floor with boards, equal doors, a symmetric box.
-#include <facetloc/features/pose.h>
 #include <facetloc/simulation/simulated_camera.h>
 #include <facetloc/simulation/simulated_drive.h>
 #include <facetloc/simulation/simulated_place.h>
