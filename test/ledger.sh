@@ -90,18 +90,8 @@ present() { has "$1" >&3; }
 
 # --- Places: a map, and the later run localized in it
 
-# The images of a drive that are kept by a condition in awk: n counts them from 0, t is the time since the first [s].
+# Conditions of thinned for the images of a drive that are kept.
 declare -A kept=([gaps]='n % 30 < 15' [2s]='t % 4 < 2' [10s]='t % 12 < 2' [60s]='t % 75 < 15')
-# thinned RUN FOLDER CONDITION
-thinned() {
-  local image
-  mkdir -p "$2/depth"
-  for image in "$1"/{camera.ini,groundtruth.txt}; do [ ! -e "$image" ] || ln -s "$(realpath "$image")" "$2"; done
-  while read -r image; do
-    ln -s "$(realpath "$1/depth/$image")" "$2/depth"
-  done < <(find -L "$1/depth" -name '*.png' -printf '%f\n' | sort -n |
-    awk "BEGIN { n = -1 } { ++n; if (n == 0) first = \$1 + 0; t = \$1 + 0 - first } $3")
-}
 
 # localizedAs NAME RUN VARIANT: single, drive, or drive_GAP with images left out.
 localizedAs() {

@@ -41,15 +41,13 @@ void findAmbiguity(Map& map, const GlobalLocalizationParams& params) {
   internal::setAmbiguity(scores, map);
 }
 
-MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query,
-                         const std::string& map_poses)
+MappedPlace::MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query)
     : truth_(PlaceTruth::open(folder)),
       query_name_(query),
       mapping_{DepthSequence::open(folder / "map"), {}, {}},
       query_{DepthSequence::open(folder / query), {}, {}} {
   MapBuilder rule;
-  const Trajectory poses =
-      map_poses.empty() ? truth_.of("map").poses() : readTrajectory(folder / "map" / map_poses);
+  const Trajectory poses = truth_.of("map").poses();
   for (std::size_t i = 0; i < mapping_.sequence.frames().size(); ++i) {
     const FrameFile& frame = mapping_.sequence.frames()[i];
     const auto pose = poses.at(frame.stamp, kPoseTolerance);

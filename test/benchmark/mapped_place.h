@@ -53,10 +53,8 @@ struct PosedRun {
 class MappedPlace {
 public:
   /** \param every Only each N-th image of the query is asked. \param query the run that asks
-   * \param map_poses file in the folder map/ with the poses that the map is made with (TUM); by default the
-   * true ones. Throws IoError. */
-  MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query = "query",
-              const std::string& map_poses = {});
+   * Throws IoError. */
+  MappedPlace(const std::filesystem::path& folder, std::size_t every, const std::string& query = "query");
 
   /** \brief Builds the map as facetloc_map does, and sees the query with the map's camera. */
   Map see(const ViewParams& params, bool calibrated = true);

@@ -39,6 +39,17 @@ madeMap() {
   "$apps/facetloc_map" "${@:2}" -o "$part" --quiet > /dev/null
   mv "$part" "$1"
 }
+# thinned RUN FOLDER CONDITION: the images of a run that are kept by a condition in awk: n counts them from 0, t is the time since the
+# first [s].
+thinned() {
+  local image
+  mkdir -p "$2/depth"
+  for image in "$1"/{camera.ini,groundtruth.txt}; do [ ! -e "$image" ] || ln -s "$(realpath "$image")" "$2"; done
+  while read -r image; do
+    ln -s "$(realpath "$1/depth/$image")" "$2/depth"
+  done < <(find -L "$1/depth" -name '*.png' -printf '%f\n' | sort -n |
+    awk "BEGIN { n = -1 } { ++n; if (n == 0) first = \$1 + 0; t = \$1 + 0 - first } $3")
+}
 # mapped RUN [OPTION...]: the map of a run; sets map.
 mapped() {
   map=map/$(echo "${1#"$data"/}" "${@:2}" | tr -c 'a-zA-Z0-9.\n' _).flmap
@@ -158,17 +169,29 @@ stage_unknown() {
 
 stage_cross() {
   has recordings || return 0
-  local name maps=() runs=()
+  local name run i k places=() maps=() runs=()
   for name in recordings/d435_desk recordings/phone_desk recordings/phone_floor recordings/tum_fr3_cabinet recordings/tum_fr3_structure \
     recordings/tum_fr3_teddy redkitchen; do
     [ -d "$data/$name" ] || continue
-    local place=${name##*/} run
     for run in map query; do
       mapped "$data/$name/$run" --force
-      maps+=("$place:$map") runs+=("$place:$data/$name/$run")
+      places+=("$name") maps+=("$map") runs+=("cross/runs/${#runs[@]}")
+      [ -d "${runs[-1]}" ] || thinned "$data/$name/$run" "${runs[-1]}" "n % $((4 * every)) == 0"
     done
   done
-  bench score_cross --every $((4 * every)) "${maps[@]}" "${runs[@]}"
+  for i in "${!maps[@]}"; do
+    for k in "${!runs[@]}"; do
+      [ "${places[i]}" != "${places[k]}" ] || continue
+      "$apps/facetloc_localize" "${maps[i]}" "${runs[k]}" -o "cross/$i-$k" --quiet > /dev/null
+    done
+  done
+  awk -F, '
+    FNR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+    $column["rank"] <= 1 { ++n; p = $column["probability"] + 0; half += p >= 0.5; sure += p >= 0.9 }
+    END { printf "of %d answers %.2f %% have p >= 0.5, %d have p >= 0.9", n, 100 * half / n, sure
+          if (!sure) printf ", at most %.2f %% with 95 %% confidence", 100 * (1 - 0.05 ^ (1 / n))
+          print "" }
+  ' cross/*/hypotheses.csv
 }
 
 stage_covariances() {
@@ -328,11 +351,17 @@ stage_rooms() { bench score_rooms; }
 
 # Metres until a moving camera knows where it is.
 stage_drives() {
-  local kind seed
+  local kind seed results
   for seed in 1 13; do
     for kind in office home hall; do
       place "drive_$kind$seed" "$kind" --seed "$seed" --runs map,drive --drive 60 --width 320
-      bench score_sequence --every "$every" --start "$((60 / every > 0 ? 60 / every : 1))" "drive_$kind$seed"
+      mapped "drive_$kind$seed/map"
+      [ -d "starts/$kind$seed" ] || thinned "drive_$kind$seed/drive" "starts/$kind$seed" "n % $every == 0"
+      results=results/starts_$kind$seed
+      "$apps/facetloc_localize" "$map" "starts/$kind$seed" -o "$results" --sequence --starts $((60 / every > 0 ? 60 / every : 1)) \
+        --quiet > /dev/null
+      echo "$kind $seed"
+      "$apps/facetloc_evaluate" "$results" "starts/$kind$seed" --map "$map" | sed -n '/METRES FROM A START/,/^$/p'
       [ "$every" -eq 1 ] || return 0
     done
   done
