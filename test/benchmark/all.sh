@@ -5,13 +5,13 @@
 #
 # BUILD: the build folder (build); DATA: the recordings of test/README.md ($FACETLOC_DATA, or ../shared/data); OUT: simulated places,
 # maps, results and OUT/figures/STAGE.txt (figures). -l lists the stages, -e N tries them: every N-th image, one seed, no comparison.
-# The figures of README are those of kitchen, models, paper, stereo, peers, unknown and sequences; tracking and large take longest.
+# The figures of README are those of kitchen, paper, models, peers and unknown; tracking and large take longest.
 # A stage whose data is not there is skipped. After each, percentages of its output that no document has are listed, and its time.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$root/build data=${FACETLOC_DATA:-$root/../shared/data} out=figures every=1
-stages=(kitchen models paper unknown looks cross covariances choices pieces smooth stereo cameras trajectories gaps sessions hours people rig pairs peers
+stages=(kitchen models paper unknown looks cross covariances choices pieces smooth cameras trajectories gaps sessions hours people rig pairs peers
         rooms drives sequences tracking segmentation public speed large)
 usage() { sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "$0"; }
 fail() { echo "all.sh: $1" >&2; exit "${2:-1}"; }

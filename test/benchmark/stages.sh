@@ -249,18 +249,6 @@ stage_smooth() {
   done
 }
 
-stage_stereo() {
-  has recordings/d435_desk || return 0
-  local run=$data/recordings/d435_desk
-  rowHead
-  mapped "$run/map"
-  localized "D435" "$map" "$run/query" "0.3 5" --
-  mapped "$run/map" --split delaunay
-  localized "D435 by triangles" "$map" "$run/query" "0.3 5" -- --split delaunay
-  mapped "$run/map" --camera realsense_d435
-  localized "camera = realsense_d435" "$map" "$run/query" "0.3 5" -- --camera realsense_d435
-}
-
 stage_cameras() {
   local camera width
   rowHead
