@@ -537,12 +537,12 @@ TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
   PlaceBelief belief(map, {}, {});
   EXPECT_TRUE(belief.isDue());
   belief.inject(0, {truth[0], 1e-4 * Matrix6d::Identity()});
-  belief.observe(view(0), nullptr);
+  belief.observe(view(0), {});
   ASSERT_EQ(belief.places().size(), 1u);
   const double first = logOdds(belief);
   EXPECT_GT(first, 0);
   EXPECT_FALSE(belief.isDue());
-  belief.observe(view(0), nullptr);
+  belief.observe(view(0), {});
   EXPECT_DOUBLE_EQ(logOdds(belief), first) << "it has not moved";
   PoseWithCovariance there_and_back;  // half the independent distance
   there_and_back.T.translation().x() = SequenceCalibration{}.independent_distance / 4;
@@ -550,7 +550,7 @@ TEST_F(BeliefInARoom, ALookCountsByTheMotionSinceTheLast) {
   there_and_back.T = there_and_back.T.inverse();
   belief.move(Motion::known(there_and_back));
   EXPECT_TRUE(belief.isDue());
-  belief.observe(view(0), nullptr);
+  belief.observe(view(0), {});
   EXPECT_NEAR(logOdds(belief), first + (1 - std::exp(-0.5)) * first, 0.05 * first);
 }
 
@@ -562,7 +562,7 @@ TEST_F(BeliefInARoom, ItNeverBecomesSurerThanItsBound) {
   for (int i = 0; i < 20; ++i) {
     if (i > 0) belief.move(Motion::known(motionTo(i)));
     const Localization found = localization.localize(views[i]);
-    belief.observe(view(i), &found);
+    belief.observe(view(i), found);
     ASSERT_FALSE(belief.places().empty());
     EXPECT_LE(logOdds(belief), kMostLogOdds);
     EXPECT_LE(belief.places().size(), 3u);
@@ -576,7 +576,7 @@ TEST_F(BeliefInARoom, TheMostProbablePlacesAreKept) {
     params.max_places = most;
     PlaceBelief belief(map, {}, params);
     for (const int i : {50, 40, 30, 15, 0}) belief.inject(0, {truth[i], 1e-4 * Matrix6d::Identity()});
-    belief.observe(view(0), nullptr);
+    belief.observe(view(0), {});
     ASSERT_EQ(belief.places().size(), most == 3 ? 3u : 5u);
     EXPECT_TRUE(isNear(belief.places().front().T_w_c.T, truth[0], 0.05, 1));
   }
@@ -623,7 +623,7 @@ TEST_F(BeliefInARoom, AMotionOfTwoAnswersMakesTwoPlaces) {
   ASSERT_EQ(belief.places().size(), 2u);
   EXPECT_NEAR(belief.places()[0].probability / belief.places()[1].probability, 1.5, 1e-9);
   EXPECT_THAT(belief.places()[1].T_w_c.T, test::PoseNear(truth[3], 1e-9, 1e-6));
-  belief.observe(view(3), nullptr);  // which decides
+  belief.observe(view(3), {});  // which decides
   ASSERT_FALSE(belief.places().empty());
   EXPECT_THAT(belief.places()[0].T_w_c.T, test::PoseNear(truth[3], 0.05, 1));
   EXPECT_GT(belief.places()[0].probability,
@@ -675,7 +675,7 @@ TEST_F(BeliefInARoom, ViewsThatLookThroughTheMapSpeakAgainstAPlaceBeyondDoubt) {
   belief.inject(0, {onCircle(0, 0.6), 1e-4 * Matrix6d::Identity()}, 7);
   const double before = logOdds(belief);
   const Eigen::Isometry3d far = lookingAlong({0.8, 2.5, 1.2}, {1, 0, -0.4});
-  belief.observe(std::make_shared<const View>(viewFrom(test::largeRoom(), far, 1)), nullptr);
+  belief.observe(std::make_shared<const View>(viewFrom(test::largeRoom(), far, 1)), {});
   ASSERT_EQ(belief.places().size(), 1u);
   EXPECT_LT(belief.places()[0].match.coverage.contradicted, 0.2) << "it is not hidden by anything new";
   EXPECT_GT(belief.places()[0].match.coverage.looked_through, 0.5);
@@ -691,7 +691,7 @@ TEST_F(BeliefInARoom, TheViewIsAskedNearAPlaceThatIsWrong) {
   wrong.P.diagonal().head<3>().setConstant(0.01);
   belief.inject(0, wrong);
   const Localization found = GlobalLocalization(map).localize(views[0]);
-  belief.observe(view(0), &found);
+  belief.observe(view(0), found);
   ASSERT_FALSE(belief.places().empty());
   EXPECT_THAT(belief.places().front().T_w_c.T, test::PoseNear(truth[0], 0.05, 1));
 }

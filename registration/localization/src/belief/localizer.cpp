@@ -215,12 +215,12 @@ void Localizer::Impl::search(Step& step) {
   step.searched = true;
   const Localization found = localization.localize(*step.view, {}, quarters);
   step.of_search = found.reason;
-  const std::optional<double> of_best = belief.observe(step.view, &found, step.alone);
+  const std::optional<double> of_best = belief.observe(step.view, found, step.alone);
   const bool is_elsewhere = of_best ? *of_best < -kContradiction : isSure(found);
   if (step.alone && !step.is_first && is_elsewhere && !(isSure(found) && isFirst(found.hypotheses.front()))) {
     step.anew = "the map contradicts the view";
     forget();
-    belief.observe(step.view, &found);
+    belief.observe(step.view, found);
   }
   hear(found);
   if (looked.size() == kMostLooked) looked.erase(looked.begin());
@@ -249,14 +249,14 @@ void Localizer::Impl::lookAround(Step& step) {
     step.searched = true;
     const Localization found = localization.localize(*step.view, {}, quarters);
     if (isSure(found)) {
-      belief.observe(step.view, &found);
+      belief.observe(step.view, found);
       return hear(found);
     }
   }
   const std::vector<int> near = belief.modelsAround(kNearModels);
   const auto isFar = [&](int model) { return std::find(near.begin(), near.end(), model) == near.end(); };
   const Localization found = localization.localize(*step.view, isFar, quarters);
-  belief.observe(step.view, &found);
+  belief.observe(step.view, found);
 }
 
 // The places of a belief, most probable first, each with the errors that no number of views averages out.
@@ -287,7 +287,7 @@ Localization Localizer::Impl::localizeNear(const View& view, const PoseWithCovar
   near.inject(part, T_w_c, kMostLogOdds);
   std::optional<int> any_roll;
   const Localization found = localization.localize(view, {}, any_roll);
-  near.observe(std::make_shared<const View>(view), &found);
+  near.observe(std::make_shared<const View>(view), found);
   Localization out;
   list(near, out);
   out.searched = true;

@@ -141,8 +141,7 @@ PlaceBelief::PlaceBelief(std::shared_ptr<const Map> map, const GlobalLocalizatio
                  return without_prior;
                }()),
       near_(map_, true),
-      limits_(localization.sure),
-      has_odds_(!localization.score.by_overlap) {}
+      limits_(localization.sure) {}
 
 void PlaceBelief::clear() {
   places_.clear();
@@ -304,9 +303,8 @@ std::vector<Hypothesis> PlaceBelief::sortFound(const Localization& found,
   return fresh;
 }
 
-std::optional<double> PlaceBelief::observe(std::shared_ptr<const View> view, const Localization* found,
+std::optional<double> PlaceBelief::observe(std::shared_ptr<const View> view, const Localization& found,
                                            bool independent) {
-  if (!has_odds_) return {};
   const double independence = observations_ == 0 || independent
                                   ? 1
                                   : 1 - std::exp(-motionSince(calibration_.independent_distance,
@@ -331,9 +329,7 @@ std::optional<double> PlaceBelief::observe(std::shared_ptr<const View> view, con
     if (!seen[0].empty()) bodies.keep(ranking_.furnitureAt(seen[0].front().match, bodies));
     forEachInParallel(static_cast<int>(places_.size()) - 1, threads_, [&](int i) { look(i + 1); });
   }
-  std::vector<Hypothesis> fresh;
-  if (found) fresh = sortFound(*found, seen);
-
+  const std::vector<Hypothesis> fresh = sortFound(found, seen);
   double best = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (Candidate& candidate : seen[i]) {

@@ -50,11 +50,11 @@ public:
   bool isDue() const;
   /** \brief Compares a view with all places.
    * \param view where the camera is now; it is kept for a while
-   * \param found result of a search of the map, or of a part of it, for this view; null without
-   * a search \param independent the view has nothing in common with the ones before, however little the
-   * camera may have moved \return change of the log odds of the place that was most probable [nats]; nothing
-   * without a place, or if the map has nothing near it. */
-  std::optional<double> observe(std::shared_ptr<const View> view, const Localization* found,
+   * \param found result of a search of the map, or of a part of it, for this view \param independent the view
+   * has nothing in common with the ones before, however little the camera may have moved \return change of
+   * the log odds of the place that was most probable [nats]; nothing without a place, or if the map has
+   * nothing near it. */
+  std::optional<double> observe(std::shared_ptr<const View> view, const Localization& found,
                                 bool independent = false);
   /** \brief Hears a view that is sure, on its own, of another place than the one believed: that has at least
    * the odds of the view, less the doubt that the motions since the observations before raise. */
@@ -111,7 +111,6 @@ private:
   PlaceRanking ranking_;
   NearbyModels near_;
   PoseLimits limits_;
-  bool has_odds_;
   std::vector<BelievedPlace> places_;
   std::deque<Observation> kept_;
   double distance_ = 0, turn_ = 0;  // since the last observation [m, rad]
