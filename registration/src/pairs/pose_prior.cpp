@@ -23,13 +23,6 @@ namespace {
 
 constexpr int kOfFloor[3] = {0, 1, 5};  // roll, pitch, height among the motions of the base
 
-Matrix6d motionOnFloor(const Eigen::Matrix3d& C) {
-  Matrix6d Sigma = Matrix6d::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) Sigma(kOfFloor[i], kOfFloor[j]) = C(i, j);
-  return Sigma;
-}
-
 // The floor tilts the model's robot about its own place, which lifts or lowers a robot that stands away.
 double leverVariance(const PosePriorParams& p) {
   const Eigen::Matrix3d C = floorCovariance(p);
@@ -55,7 +48,9 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
   Sigma = var_rotation * turn * turn.transpose();
   Sigma(3, 3) += var_translation;
   Sigma(4, 4) += var_translation;
-  const Matrix6d of_floor = motionOnFloor(floorCovariance(p)), Ad = adjoint(T_m_b);
+  Matrix6d of_floor = Matrix6d::Zero();
+  of_floor(kOfFloor, kOfFloor) = floorCovariance(p);
+  const Matrix6d Ad = adjoint(T_m_b);
   Sigma += of_floor + Ad * of_floor * Ad.transpose();  // each stands on its own piece of floor
   Sigma(5, 5) += leverVariance(p);
   Matrix6d A = cameraMotion(*mounting);
@@ -66,8 +61,7 @@ Matrix6d posePrior(const std::optional<CameraMounting>& mounting, const PosePrio
 Matrix6d floorInformation(const std::optional<CameraMounting>& mounting, const PosePriorParams& p) {
   if (!mounting) return Matrix6d::Zero();
   const Matrix6d of_base = cameraMotion(*mounting).inverse();
-  Eigen::Matrix<double, 3, 6> of_floor;
-  for (int i = 0; i < 3; ++i) of_floor.row(i) = of_base.row(kOfFloor[i]);
+  const Eigen::Matrix<double, 3, 6> of_floor = of_base(kOfFloor, Eigen::all);
   Eigen::Matrix3d C = 2 * floorCovariance(p);
   C(2, 2) += leverVariance(p);
   return of_floor.transpose() * C.inverse() * of_floor;
