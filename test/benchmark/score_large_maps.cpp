@@ -272,10 +272,9 @@ Opened open(const std::string& path, const ShortlistParams& params) {
   opened.index_mb = memory() - before - opened.map_mb;
   std::printf(
       "\n%zu local models: file of %.0f MB; map opened with its index in %.2f s; index of %zu descriptors, "
-      "built in %.1f s; memory: map %.1f MB, index %.1f MB (%.1f MB by its own count)\n",
+      "built in %.1f s; memory: map %.1f MB, index %.1f MB\n",
       opened.map->models.size(), 1e-6 * static_cast<double>(std::filesystem::file_size(path)), opened.open_s,
-      index.descriptors(), opened.build_s, opened.map_mb, opened.index_mb,
-      1e-6 * static_cast<double>(index.bytes()));
+      index.descriptors(), opened.build_s, opened.map_mb, opened.index_mb);
   return opened;
 }
 

@@ -364,20 +364,6 @@ std::vector<ShortlistedModel> PlaceIndex::candidates(const View& view, int n,
 std::size_t PlaceIndex::models() const { return impl_->places.size(); }
 std::size_t PlaceIndex::descriptors() const { return impl_->owner.size(); }
 
-std::size_t PlaceIndex::bytes() const {
-  std::size_t sum = sizeof *impl_;
-  for (const PlaceDescriptor& p : impl_->places)
-    sum += sizeof p + p.walls.capacity() * sizeof(Wall) + p.surfaces.capacity() * sizeof(LevelSurface) +
-           p.picture.depth.capacity() * sizeof(std::uint16_t);
-  sum += impl_->owner.capacity() * sizeof(int) +
-         (impl_->heading.capacity() + impl_->expected.capacity()) * sizeof(float);
-  // FLANN does not count its points, nor that it keeps a pointer to each and its number.
-  constexpr std::size_t kPoint = kDimensions * sizeof(float) + sizeof(float*) + sizeof(std::size_t);
-  if (impl_->tree.valid())
-    sum += static_cast<std::size_t>(impl_->tree.get()->usedMemory()) + impl_->owner.size() * kPoint;
-  return sum;
-}
-
 std::function<void(std::ostream&)> placeIndexOf(const Map& map) {
   constexpr std::size_t kSoonMade = 400;  // local models
   if (!map.camera.mounting || map.models.size() <= kSoonMade) return {};

@@ -63,7 +63,6 @@ public:
                                            const std::function<bool(int model)>& excluded = {}) const;
   std::size_t models() const;
   std::size_t descriptors() const;
-  std::size_t bytes() const;  ///< approximate memory in use
 
 private:
   struct Impl;
