@@ -23,7 +23,7 @@ constexpr double kStep = 1.0 / 15;  // [s]
 ViewOdometry odometry() {
   ViewAlignmentParams alignment;
   alignment.dense.correlated_pixels = 200, alignment.dense.significance = 4;
-  return ViewOdometry({}, alignment, DepthComparison({}));
+  return ViewOdometry({}, alignment);
 }
 
 /** Around the middle of the room: 0.4 m/s and 30 deg/s. */

@@ -57,7 +57,7 @@ void weigh(const PoseWithCovariance& given, std::vector<MotionMode>& modes) {
 }  // namespace
 
 CameraMotion::CameraMotion(const ViewOdometryParams& params)
-    : odometry_(params, alignmentWithCovariance(true), DepthComparison(DepthCalibration{})) {}
+    : odometry_(params, alignmentWithCovariance(true)) {}
 
 void CameraMotion::reset() {
   odometry_.reset();

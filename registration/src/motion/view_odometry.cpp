@@ -28,10 +28,6 @@ constexpr double kLeastRotation = 1e-4, kLeastTranslation = 1e-4;  // [rad, m]
 
 }  // namespace
 
-ViewOdometry::ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
-                           const DepthComparison& comparison)
-    : params_(params), alignment_(alignment), comparison_(comparison) {}
-
 void ViewOdometry::reset() {
   keys_.clear();
   T_o_c_.setIdentity();

@@ -33,8 +33,8 @@ struct ViewMotion {
  * carries it past a bare wall. Any other camera moves as it likes. */
 class ViewOdometry {
 public:
-  ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment,
-               const DepthComparison& comparison);
+  ViewOdometry(const ViewOdometryParams& params, const ViewAlignmentParams& alignment)
+      : params_(params), alignment_(alignment) {}
 
   /** \brief Forgets all views. */
   void reset();
@@ -62,7 +62,7 @@ private:
 
   ViewOdometryParams params_;
   ViewAlignmentParams alignment_;
-  DepthComparison comparison_;
+  DepthComparison comparison_{DepthCalibration{}};
   std::optional<Matrix6d> camera_motion_;  // motion of the latest camera per motion of its robot on wheels
   Matrix6d jolt_ = Matrix6d::Zero();       // covariance of it on another piece of uneven floor
   std::deque<Key> keys_;

@@ -133,8 +133,7 @@ double CameraSpeed::farthest(double duration) const {
 }
 
 KeyframeSelection::KeyframeSelection(const MappingParams& params)
-    : params_(params),
-      odometry_(params.odometry, alignmentWithCovariance(), DepthComparison(DepthCalibration{})) {}
+    : params_(params), odometry_(params.odometry, alignmentWithCovariance()) {}
 
 bool KeyframeSelection::add(const SharedView& view, double stamp,
                             const std::optional<Eigen::Isometry3d>& given, TrajectoryGraph& graph) {
