@@ -45,7 +45,8 @@ struct ModelMap::Impl {
   std::optional<std::vector<Eigen::Isometry3d>> viewpoints;
   std::optional<Eigen::Vector3d> up = Eigen::Vector3d::UnitZ();  // none = the surface's own
   std::optional<Eigen::Vector3d> usual_up;
-  int width = kWorkingWidth;
+  int width = kWorkingWidth, threads = 1;
+  MapProgressCallback progress;
   std::optional<SurfaceOrientation> orientation;
   ModelFindings findings;
 
@@ -59,7 +60,7 @@ struct ModelMap::Impl {
 
 const SurfaceOrientation& ModelMap::Impl::surfaceOrientation() {
   if (!orientation) {
-    orientation = orientationOf(*given.surface, given.threads);
+    orientation = orientationOf(*given.surface, threads);
     orientation->usual = usual_up;
   }
   return *orientation;
@@ -101,6 +102,9 @@ ViewpointSearch ModelMap::Impl::search() const {
   places.stands = mounting || !places.heights.empty();
   if (places.heights.empty()) places.heights = mounting ? std::vector{mounting->height} : kHeightsInHand;
   for (Eigen::Vector3d& place : places.inside) place = search.T_w_up.inverse() * place;
+  search.forEach = [this](std::size_t n, const std::function<void(std::size_t)>& job) {
+    ParallelStage(MapProgress::Stage::viewpoints, n, threads, progress).run(job);
+  };
   return search;
 }
 
@@ -109,8 +113,8 @@ Map ModelMap::Impl::build() {
   ImageRun run;
   run.camera = viewCamera();
   run.view = view;
-  run.threads = given.threads;
-  run.progress = given.progress;
+  run.threads = threads;
+  run.progress = progress;
   const Intrinsics k = intrinsics();
   for (std::size_t i = 0; i < findings.viewpoints.size(); ++i) {
     const Eigen::Isometry3d& T_w_c = findings.viewpoints[i];
@@ -153,8 +157,8 @@ ModelMap::ModelMap(ModelMap&&) noexcept = default;
 ModelMap& ModelMap::operator=(ModelMap&&) noexcept = default;
 ModelMap::~ModelMap() = default;
 
-void ModelMap::setNumberOfThreads(int n) { impl_->given.threads = n; }
-void ModelMap::setProgress(MapProgressCallback progress) { impl_->given.progress = std::move(progress); }
+void ModelMap::setNumberOfThreads(int n) { impl_->threads = n; }
+void ModelMap::setProgress(MapProgressCallback progress) { impl_->progress = std::move(progress); }
 void ModelMap::setWorkingWidth(int width) { impl_->width = width; }
 void ModelMap::setViewpoints(std::vector<Eigen::Isometry3d> viewpoints) {
   for (std::size_t i = 0; i < viewpoints.size(); ++i)
@@ -193,7 +197,7 @@ Map ModelMap::finish() {
     m.findings.problem = "no view of the surface shows a plane";
     return {};
   }
-  completeMap(map, {false, m.given.threads, m.given.progress});
+  completeMap(map, {false, m.threads, m.progress});
   return std::move(*map);
 }
 

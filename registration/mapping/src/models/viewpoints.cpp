@@ -13,8 +13,6 @@
 namespace facetloc::internal {
 namespace {
 
-using Stage = MapProgress::Stage;
-
 constexpr double kBeside = 3;        // how far from a scan of a part of a room a camera may be [m]
 constexpr double kKnownShare = 0.3;  // share of a view with a surface in range: less matches by chance
 constexpr double kSlackDeg = 1e-6;   // neighbouring headings are just as far apart as the rule says
@@ -42,7 +40,7 @@ public:
   void look(const std::vector<Eigen::Vector3d>& positions) {
     const std::size_t headings = headingCount(), tilts = search_.tilts_deg.size();
     std::vector<SmallView> all(positions.size() * headings * tilts);
-    stage(all.size(), [&](std::size_t i) {
+    search_.forEach(all.size(), [&](std::size_t i) {
       const double yaw = 2 * M_PI * static_cast<double>(i % headings) / static_cast<double>(headings);
       all[i] = viewAt(positions[i / headings / tilts], yaw, search_.tilts_deg[i / headings % tilts]);
     });
@@ -57,7 +55,7 @@ public:
       cells[cellOf(views_[i])].push_back(static_cast<std::uint32_t>(i));
     Substitutes found;
     found.of.resize(views_.size());
-    stage(views_.size(), [&](std::size_t i) {
+    search_.forEach(views_.size(), [&](std::size_t i) {
       const auto compare = [&](std::uint32_t j) {
         if (i == j ||
             !isNear(views_[i].T_w_c, views_[j].T_w_c, params_.spacing, params_.turn_deg + kSlackDeg))
@@ -88,9 +86,6 @@ private:
   }
   std::size_t headingCount() const {
     return static_cast<std::size_t>(std::ceil(360 / params_.turn_deg - 1e-9));
-  }
-  void stage(std::size_t n, const std::function<void(std::size_t)>& job) const {
-    ParallelStage(Stage::viewpoints, n, search_.threads, search_.progress).run(job);
   }
   SmallView viewAt(const Eigen::Vector3d& position, double yaw, double tilt_deg) const {
     CameraMounting mounting = search_.camera.mounting.value_or(CameraMounting());
@@ -130,17 +125,14 @@ std::string problemOfSize(const Eigen::AlignedBox3d& bounds, double step) {
 std::vector<Eigen::Vector3d> placesFor(const ViewpointSearch& search, ModelFindings& findings) {
   const SpaceProbe probe(*search.surface, search.T_w_up);
   PlaceRules rules = search.places;
-  const ForEach forEach = [&](std::size_t n, const std::function<void(std::size_t)>& job) {
-    ParallelStage(Stage::viewpoints, n, search.threads, search.progress).run(job);
-  };
   if (const std::string problem = problemOfSize(probe.bounds(), rules.step); !problem.empty()) {
     findings.problem = problem;
     return {};
   }
-  FreePlaces found = freePlaces(probe, rules, forEach);
+  FreePlaces found = freePlaces(probe, rules, search.forEach);
   if (found.positions.empty() && found.too_many == 0 && rules.inside.empty()) {
     rules.beside = kBeside;
-    found = freePlaces(probe, rules, forEach);
+    found = freePlaces(probe, rules, search.forEach);
     findings.is_open = true;
   }
   findings.too_many = found.too_many > 0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "models/free_places.h"
-#include "sessions/parallel_stage.h"
 
 #include <facetloc/features/camera_model.h>
 #include <facetloc/mapping/model_map.h>
@@ -18,8 +17,7 @@ struct ViewpointSearch {
   PlaceRules places;              ///< in the frame with z up
   std::vector<double> tilts_deg;  ///< tilts of the optical axis below the horizon
   Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();  ///< to the surface's frame from one with z up
-  int threads = 1;
-  MapProgressCallback progress;
+  ForEach forEach;                                           ///< by some threads, with progress
 };
 
 /** \brief Viewpoints for that camera (METHOD 3). Fills in findings. */

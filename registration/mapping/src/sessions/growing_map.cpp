@@ -15,12 +15,6 @@ namespace {
 
 constexpr double kNearDistance = 0.35, kNearRotationDeg = 10;  // radius of an existing place [m, deg]
 
-TrajectoryEstimation endless(const MappingParams& params) {
-  TrajectoryEstimation trajectory(params);
-  trajectory.setEndless(true);
-  return trajectory;
-}
-
 /** An image that is a local model, as known to the keyframe that it is attached to. */
 struct MappedPlace : PlaceOnTrajectory {
   std::string name;
@@ -83,7 +77,9 @@ bool GrowingMap::Impl::visit(const View& view, const std::string& name, double s
 }
 
 GrowingMap::GrowingMap(const MappingParams& trajectory, const MapBuilderParams& places)
-    : GrowingMap(std::make_unique<Impl>(Impl{endless(trajectory), {places}})) {}
+    : GrowingMap(std::make_unique<Impl>(Impl{TrajectoryEstimation(trajectory), {places}})) {
+  impl_->trajectory.setEndless(true);
+}
 GrowingMap::GrowingMap(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 GrowingMap::GrowingMap(GrowingMap&&) noexcept = default;
 GrowingMap& GrowingMap::operator=(GrowingMap&&) noexcept = default;

@@ -218,9 +218,13 @@ struct MapMaking::Impl {
     return part_between[std::upper_bound(begins.begin(), begins.end(), image) - begins.begin()];
   }
   void split();
-  std::optional<Eigen::Isometry3d> pose(std::size_t image) const;
   /** Pose in the world of its part. */
-  std::optional<Eigen::Isometry3d> poseInPart(std::size_t image) const;
+  std::optional<Eigen::Isometry3d> poseInPart(std::size_t image) const {
+    return findings.trajectory ? findings.trajectory->images[image].T_w_c : run.images[image].T_w_c;
+  }
+  std::optional<Eigen::Isometry3d> pose(std::size_t image) const {
+    return parts.empty() || partOf(image) == parts.front() ? poseInPart(image) : std::nullopt;
+  }
   std::vector<std::size_t> calibrationImages() const;
   void keepPictures() {
     if (params.distortion) run.kept_pictures.ask(calibrationImages());
@@ -243,15 +247,6 @@ struct MapMaking::Impl {
   std::vector<int> part_between;    // part before the first of them, and from each on
   bool calibrated = false;          // uses the final poses
 };
-
-std::optional<Eigen::Isometry3d> MapMaking::Impl::pose(std::size_t image) const {
-  if (!parts.empty() && partOf(image) != parts.front()) return {};
-  return poseInPart(image);
-}
-
-std::optional<Eigen::Isometry3d> MapMaking::Impl::poseInPart(std::size_t image) const {
-  return findings.trajectory ? findings.trajectory->images[image].T_w_c : run.images[image].T_w_c;
-}
 
 /** Poses that begin anew are of another world, unless they come back at once: the largest part is the map's.
  */
@@ -430,12 +425,11 @@ std::vector<MapPlace> MapMaking::places() const {
   std::vector<MapPlace> places;
   std::map<int, MapBuilder> rules;  // rules of each part
   for (std::size_t i = 0; i < m.run.images.size(); ++i) {
-    const auto T_w_m = m.pose(i);
     const auto by_rule = m.poseInPart(i);
     MapBuilder& rule = rules.try_emplace(m.partOf(i), m.params.places).first->second;
     if (m.params.every > 0 ? i % static_cast<std::size_t>(m.params.every) == 0
                            : by_rule && rule.accept(*by_rule))
-      places.push_back({i, T_w_m});
+      places.push_back({i, m.pose(i)});
   }
   return places;
 }

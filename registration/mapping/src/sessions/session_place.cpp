@@ -2,13 +2,9 @@
 #include "sessions/session_place.h"
 
 #include "graph/consistency_graph.h"
-#include "graph/pose_graph.h"
 #include "poses/pose_fusion.h"
 #include "sessions/parallel_stage.h"
-#include "threads/in_parallel.h"
 #include "trajectory/trajectory_graph.h"
-
-#include <facetloc/features/pose.h>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -22,8 +18,6 @@ namespace {
 
 // Errors of an answer that its covariance does not know: those of the local model's own pose.
 constexpr double kMapRotation = 0.2 * kDegree, kMapTranslation = 0.01;  // [m]
-
-constexpr double kFarEllipsoid = chiSquareQuantile(6, 0.999);
 
 // Standard deviations of a keyframe in the map, beyond which nothing is concluded from it [rad, m].
 constexpr double kCertainRotation = 2 * kDegree, kCertainTranslation = 0.1;

@@ -18,6 +18,12 @@ namespace {
 constexpr int kPasses = 4;         // comparisons of all keyframes, each followed by an optimization
 constexpr double kSettled = 0.02;  // motion of a keyframe in the last pass [m]
 
+double largestOf(const std::vector<Keyframe>& keyframes, double (*stdOf)(const Matrix6d&)) {
+  double largest = 0;
+  for (const Keyframe& k : keyframes) largest = std::max(largest, stdOf(k.T_w_c.P));
+  return largest;
+}
+
 }  // namespace
 
 std::vector<int> CameraTrajectory::parts() const {
@@ -43,17 +49,8 @@ double CameraTrajectory::length() const {
   return sum;
 }
 
-double CameraTrajectory::positionStd() const {
-  double largest = 0;
-  for (const Keyframe& k : keyframes) largest = std::max(largest, largestTranslationStd(k.T_w_c.P));
-  return largest;
-}
-
-double CameraTrajectory::rotationStd() const {
-  double largest = 0;
-  for (const Keyframe& k : keyframes) largest = std::max(largest, largestRotationStd(k.T_w_c.P));
-  return largest;
-}
+double CameraTrajectory::positionStd() const { return largestOf(keyframes, largestTranslationStd); }
+double CameraTrajectory::rotationStd() const { return largestOf(keyframes, largestRotationStd); }
 
 std::string OverlapVerdicts::toString() const {
   return fmt::format("{:.1f} % of {} overlaps of images contradict it by more than 1 deg or 0.1 m",
