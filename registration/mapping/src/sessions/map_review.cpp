@@ -66,31 +66,56 @@ struct ChangedPiece {
   SurfaceChange::Kind kind;
   int part;
   const std::string* seen_by;
-  Segment plane;                                           // frame: the part
-  std::vector<std::pair<Eigen::Vector3d, double>> points;  // that have changed, each with its area [m^2]
-  double area = 0;                                         // sum over all points [m^2]
-  Votes free, stands;  // whether its place is free in the other time, and does not stay in its own
+  Segment plane{};                                           // frame: the part
+  std::vector<std::pair<Eigen::Vector3d, double>> points{};  // that have changed, each with its area [m^2]
+  double area = 0;                                           // sum over all points [m^2]
+  // whether its place is free in the other time, and does not stay in its own
+  Votes free{}, stands{};
+};
 
-  ChangedPiece(SurfaceChange::Kind of_kind, int of_part, const std::string& name,
-               const Eigen::Isometry3d& T_w_c, const View& view, int segment,
-               const std::vector<std::size_t>& pixels)
-      : kind(of_kind), part(of_part), seen_by(&name), plane(transformed(view.segments[segment], T_w_c)) {
-    const DepthPicture& picture = view.depth;
-    const Intrinsics& k = picture.camera;
-    const Segment& s = view.segments[segment];
+/** Views that vote on changed surfaces. */
+struct Voters {
+  std::vector<std::size_t> numbers{};
+  std::vector<PosedPicture> pictures{};  // in the frame of the view that shows the surfaces
+
+  void add(std::size_t number, const DepthPicture& picture, const Eigen::Isometry3d& T) {
+    numbers.push_back(number);
+    pictures.push_back({&picture, T});
+  }
+};
+
+namespace {
+
+/** The changed segments of a view. \param of kind, part and name of all \param T_w_c its pose in the part */
+std::vector<ChangedPiece> piecesOf(const ChangedPiece& of, const Eigen::Isometry3d& T_w_c, const View& view,
+                                   const SurfaceReview& review, const Voters& free, const Voters& stands,
+                                   const DepthComparison& comparison) {
+  const Intrinsics& k = view.depth.camera;
+  std::vector<ChangedPiece> pieces(review.gone_segments.size(), of);
+  for (std::size_t n = 0; n < pieces.size(); ++n) {
+    ChangedPiece& piece = pieces[n];
+    const Segment& s = view.segments[review.gone_segments[n]];
+    const std::vector<std::size_t>& pixels = review.gone_pixels_of[n];
+    piece.plane = transformed(s, T_w_c);
     for (const std::size_t i : pixels) {
       const auto u = static_cast<int>(i % static_cast<std::size_t>(k.width)),
                  v = static_cast<int>(i / static_cast<std::size_t>(k.width));
       const Eigen::Vector3d ray = k.ray(u, v);
       const double depth = s.offset() / s.normal().dot(ray);
       const double of_pixel = depth * depth * depth / (k.fx * k.fy * s.offset());
-      points.emplace_back(T_w_c * (depth * ray), of_pixel);
-      area += of_pixel;
+      piece.points.emplace_back(T_w_c * (depth * ray), of_pixel);
+      piece.area += of_pixel;
     }
+    const auto vote = [&](const Voters& voters, Votes& votes) {
+      const auto shares = sharesLookedThrough(view.depth, pixels, voters.pictures, comparison);
+      for (std::size_t i = 0; i < shares.size(); ++i)
+        if (shares[i]) votes.add(voters.numbers[i], *shares[i], piece.area);
+    };
+    vote(free, piece.free);
+    vote(stands, piece.stands);
   }
-};
-
-namespace {
+  return pieces;
+}
 
 /** Pieces that are one surface. */
 class ChangedSurface {
@@ -192,10 +217,7 @@ MapReview::MapReview(const Map& map, const std::vector<SessionImage>& session, i
   forEachInParallel(n, threads, [&](int m) { looks_[m] = looksAt(m); });
   trusted_ = trustedImages();
   forEachInParallel(n, threads, [&](int m) {
-    std::vector<PosedPicture> others;
-    for (const Look& look : trustedLooks(m))
-      others.push_back({&session_[look.image].view->depth, look.T_m_c});
-    reviews_[m] = reviewSurfaces(*map_.view(m), others, narrow_, kLooks);
+    reviews_[m] = reviewSurfaces(*map_.view(m), trustedImagesOf(m).pictures, narrow_, kLooks);
   });
 }
 
@@ -249,32 +271,19 @@ std::vector<char> MapReview::trustedImages() const {
   return trusted;
 }
 
-std::vector<MapReview::Look> MapReview::trustedLooks(std::size_t model) const {
-  std::vector<Look> looks;
+Voters MapReview::trustedImagesOf(std::size_t model) const {
+  Voters images;
   for (const Look& look : looks_[model])
-    if (trusted_[look.image]) looks.push_back(look);
-  return looks;
+    if (trusted_[look.image]) images.add(look.image, session_[look.image].view->depth, look.T_m_c);
+  return images;
 }
 
 std::vector<ChangedPiece> MapReview::removedFrom(std::size_t model) const {
-  const SurfaceReview& review = reviews_[model];
-  if (review.gone_segments.empty()) return {};
+  if (reviews_[model].gone_segments.empty()) return {};
   const std::shared_ptr<const View> view = map_.view(static_cast<int>(model));
-  const std::vector<Look> looks = trustedLooks(model);
-  std::vector<PosedPicture> others;
-  for (const Look& look : looks) others.push_back({&session_[look.image].view->depth, look.T_m_c});
   const LocalModel& of = map_.models[model];
-  std::vector<ChangedPiece> pieces;
-  for (std::size_t k = 0; k < review.gone_segments.size(); ++k) {
-    const std::vector<std::size_t>& pixels = review.gone_pixels_of[k];
-    ChangedPiece piece(SurfaceChange::Kind::removed, of.part, of.name, *of.T_w_m, *view,
-                       review.gone_segments[k], pixels);
-    const auto shares = sharesLookedThrough(view->depth, pixels, others, narrow_);
-    for (std::size_t i = 0; i < shares.size(); ++i)
-      if (shares[i]) piece.free.add(looks[i].image, *shares[i], piece.area);
-    pieces.push_back(std::move(piece));
-  }
-  return pieces;
+  return piecesOf({SurfaceChange::Kind::removed, of.part, &of.name}, *of.T_w_m, *view, reviews_[model],
+                  trustedImagesOf(model), {}, narrow_);
 }
 
 /** Surfaces of an image where the local models around it look through, and that other images of the session
@@ -282,40 +291,23 @@ std::vector<ChangedPiece> MapReview::removedFrom(std::size_t model) const {
 std::vector<ChangedPiece> MapReview::addedIn(std::size_t image) const {
   if (!trusted_[image]) return {};
   const SessionImage& of = session_[image];
-  std::vector<PosedPicture> models, images;
+  Voters models, images;
   std::vector<std::shared_ptr<const View>> views;  // keeps pictures in memory
-  std::vector<std::size_t> model_of, image_of;
   for (std::size_t m = 0; m < looks_.size(); ++m)
     for (const Look& look : looks_[m]) {
       if (look.image != image) continue;
       views.push_back(map_.view(static_cast<int>(m)));
-      models.push_back({&views.back()->depth, look.T_m_c.inverse()});
-      model_of.push_back(m);
+      models.add(m, views.back()->depth, look.T_m_c.inverse());
     }
-  const SurfaceReview review = reviewSurfaces(*of.view, models, narrow_, kLooks);
+  const SurfaceReview review = reviewSurfaces(*of.view, models.pictures, narrow_, kLooks);
   if (review.gone_segments.empty()) return {};
   for (std::size_t i = 0; i < session_.size(); ++i)
     if (trusted_[i] && !kSameLook.joins(session_[i].T_w_c, of.T_w_c) &&
-        std::isfinite(viewDistance(session_[i].T_w_c, of.T_w_c))) {
-      images.push_back({&session_[i].view->depth, of.T_w_c.inverse() * session_[i].T_w_c});
-      image_of.push_back(i);
-    }
-  std::vector<ChangedPiece> pieces;
-  for (std::size_t k = 0; k < review.gone_segments.size(); ++k) {
-    const std::vector<std::size_t>& pixels = review.gone_pixels_of[k];
-    ChangedPiece piece(SurfaceChange::Kind::added, map_.models[model_of.front()].part, of.name, of.T_w_c,
-                       *of.view, review.gone_segments[k], pixels);
-    const auto add = [&](const std::vector<PosedPicture>& others, const std::vector<std::size_t>& numbers,
-                         Votes& votes) {
-      const auto shares = sharesLookedThrough(of.view->depth, pixels, others, narrow_);
-      for (std::size_t i = 0; i < shares.size(); ++i)
-        if (shares[i]) votes.add(numbers[i], *shares[i], piece.area);
-    };
-    add(models, model_of, piece.free);
-    add(images, image_of, piece.stands);
-    pieces.push_back(std::move(piece));
-  }
-  return pieces;
+        std::isfinite(viewDistance(session_[i].T_w_c, of.T_w_c)))
+      images.add(i, session_[i].view->depth, of.T_w_c.inverse() * session_[i].T_w_c);
+  const int part = map_.models[models.numbers.front()].part;
+  return piecesOf({SurfaceChange::Kind::added, part, &of.name}, of.T_w_c, *of.view, review, models, images,
+                  narrow_);
 }
 
 std::vector<SurfaceChange> MapReview::changes() const {

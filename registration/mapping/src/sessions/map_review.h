@@ -22,6 +22,7 @@ struct SessionImage {
 };
 
 struct ChangedPiece;
+struct Voters;
 
 /** \brief A session's evidence about the local models of a map, which stay as they are. The same for any
  * number of threads. */
@@ -46,7 +47,7 @@ private:
   std::vector<Look> looksAt(int m) const;
   DepthAgreement agreement(int m, std::size_t image, const Eigen::Isometry3d& T_m_c) const;
   std::vector<char> trustedImages() const;
-  std::vector<Look> trustedLooks(std::size_t model) const;
+  Voters trustedImagesOf(std::size_t model) const;
   std::vector<ChangedPiece> removedFrom(std::size_t model) const;
   std::vector<ChangedPiece> addedIn(std::size_t image) const;
 
