@@ -89,8 +89,8 @@ private:
   LabelledPlanes planes_;
 };
 
-/** Weighted products of what a plane does not explain of one surface: of its residuals, of the bend by the
- * length of rays, and of the bend by a lens. */
+/** Weighted products of the columns of one surface, less their parts that a plane explains: inverse depths,
+ * the bend by the length of rays, and the bend by a lens. */
 Eigen::Matrix3d productsOf(const FlatSurface& s) {
   const auto n = static_cast<Eigen::Index>(s.samples.size());
   Eigen::Matrix<double, Eigen::Dynamic, 3> plane(n, 3), rest(n, 3);  // rest: inverse depth, and both bends

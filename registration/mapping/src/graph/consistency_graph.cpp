@@ -20,8 +20,8 @@ using RelativePoses = std::map<int, std::vector<std::optional<PoseWithCovariance
  * seldom do. Same input, same answer. */
 class ConsistencyGraph {
 public:
-  using Set = std::vector<int>;                 // numbers of findings
-  using Size = std::function<int(const Set&)>;  // by which sets are compared
+  using Set = std::vector<int>;  // numbers of findings
+  using Size = std::function<int(const Set&)>;
 
   /** \param agree whether two findings do; nothing where one says nothing about the other */
   ConsistencyGraph(int n, const std::function<std::optional<bool>(int i, int j)>& agree)
@@ -41,7 +41,8 @@ public:
     Set members, against;
     bool is_clear = false;  // a contradicting set is less than half as large
   };
-  /** The largest set among some findings that a greedy search from each of them finds. */
+  /** The largest set among some findings that a greedy search from each of them finds. \param size by which
+   * sets are compared */
   Largest largest(const Set& among, const Size& size) const {
     Largest out;
     out.members = largestSet(among, size);

@@ -14,10 +14,10 @@ namespace facetloc::internal {
 struct ViewpointSearch {
   std::shared_ptr<const Surface> surface;
   Camera camera;                  ///< with the intrinsics of the images that are rendered
-  PlaceRules places;              ///< in the frame with z up
+  PlaceRules places;              ///< its frame has z up
   std::vector<double> tilts_deg;  ///< tilts of the optical axis below the horizon
   Eigen::Isometry3d T_w_up = Eigen::Isometry3d::Identity();  ///< to the surface's frame from one with z up
-  ForEach forEach;                                           ///< by some threads, with progress
+  ForEach forEach;                                           ///< runs the work, with progress
 };
 
 /** \brief Viewpoints for that camera (METHOD 3). Fills in findings. */

@@ -76,7 +76,7 @@ struct ChangedPiece {
 /** Views that vote on changed surfaces. */
 struct Voters {
   std::vector<std::size_t> numbers{};
-  std::vector<PosedPicture> pictures{};  // in the frame of the view that shows the surfaces
+  std::vector<PosedPicture> pictures{};  // frame: the view that shows the surfaces
 
   void add(std::size_t number, const DepthPicture& picture, const Eigen::Isometry3d& T) {
     numbers.push_back(number);
