@@ -220,9 +220,13 @@ void addCarton(SceneBuilder& builder, const Spot& spot, Random& random, When whe
 
 // ---- Living rooms and bedrooms ----
 
-/** The common parts of sofas and armchairs: arms, a back that leans, seat cushions. */
-void addSeat(SceneBuilder& builder, const Spot& spot, double depth, double width, int cushions,
+/** A sofa or an armchair: arms, a back that leans, seat cushions. */
+void addSeat(const Kind& kind, double least_depth, double least_width, SceneBuilder& builder, const Spot& at,
              Random& random, When when) {
+  const double depth = random.uniform(least_depth, kind.depth);
+  const double width = random.uniform(least_width, kind.width);
+  const Spot spot = at.relative((depth - kind.depth) / 2, 0);
+  const int cushions = width > 1.85 ? 3 : width > 1.0 ? 2 : 1;
   const double arm = random.uniform(0.12, 0.2);
   const double arm_height = random.uniform(0.5, 0.65);
   const double seat = random.uniform(0.38, 0.45);
@@ -252,16 +256,11 @@ void addSeat(SceneBuilder& builder, const Spot& spot, double depth, double width
 }
 
 void addSofa(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.82, kind::kSofa.depth);
-  const double width = random.uniform(1.6, kind::kSofa.width);
-  addSeat(builder, spot.relative((depth - kind::kSofa.depth) / 2, 0), depth, width, width > 1.85 ? 3 : 2,
-          random, when);
+  addSeat(kind::kSofa, 0.82, 1.6, builder, spot, random, when);
 }
 
 void addArmchair(SceneBuilder& builder, const Spot& spot, Random& random, When when) {
-  const double depth = random.uniform(0.75, kind::kArmchair.depth);
-  const double width = random.uniform(0.75, kind::kArmchair.width);
-  addSeat(builder, spot.relative((depth - kind::kArmchair.depth) / 2, 0), depth, width, 1, random, when);
+  addSeat(kind::kArmchair, 0.75, 0.75, builder, spot, random, when);
 }
 
 void addTvStand(SceneBuilder& builder, const Spot& spot, Random& random, When when) {

@@ -307,11 +307,8 @@ Route roundsOf(const Route& route, int rounds, std::uint64_t seed) {
 std::vector<double> drivingTimes(const std::vector<Eigen::Isometry3d>& T_w_b, const PaceParams& pace) {
   const auto heading = [](const Eigen::Isometry3d& T) { return std::atan2(T(1, 0), T(0, 0)); };
   std::vector<double> times;
-  for (std::size_t i = 0; i < T_w_b.size(); ++i) {
-    if (i == 0) {
-      times.push_back(0);
-      continue;
-    }
+  if (!T_w_b.empty()) times.push_back(0);
+  for (std::size_t i = 1; i < T_w_b.size(); ++i) {
     const Eigen::Isometry3d &from = T_w_b[i - 1], &to = T_w_b[i];
     const double distance = (to.translation() - from.translation()).head<2>().norm();
     const double turn = std::abs(std::remainder(heading(to) - heading(from), 2 * kPi));

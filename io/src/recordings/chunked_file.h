@@ -3,8 +3,6 @@
 
 #include "recordings/message_file.h"
 
-#include <facetloc/io/error.h>
-
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings/image_container.h"
 
-#include "recordings/image_list.h"
 #include "recordings/message_file.h"
 
 #include <facetloc/io/oni_file.h>

@@ -2,7 +2,6 @@
 #include "base/text.h"
 #include "recordings/depth_messages.h"
 #include "recordings/image_container.h"
-#include "recordings/image_list.h"
 #include "recordings/message_file.h"
 #include "recordings/recording_layout.h"
 
@@ -25,7 +24,6 @@ struct ImagesOfTopic {
 };
 
 constexpr const char* kRealSenseImages = "/image/data";  // ending of the topics of RealSense's recorder
-constexpr double kMillimetres = 1000;                    // values per metre
 
 /** /device_0/sensor_0/Depth_0/image/data -> /device_0/sensor_0/option/Depth Units/value. */
 void findDepthUnit(const MessageLog& log, CameraFile& camera) {

@@ -17,8 +17,7 @@ namespace {
 
 constexpr const char* kCameraFile = "camera.ini";
 constexpr const char* kMatrices[] = {"camera-intrinsics.txt", "intrinsic/intrinsic_depth.txt"};
-constexpr double kMillimetres = 1000;  // PNG values per metre
-constexpr double kTum = 5000;          // PNG values per metre of TUM's recordings
+constexpr double kTum = 5000;  // PNG values per metre of TUM's recordings
 
 /** A camera of a public data set. */
 struct KnownCamera {

@@ -59,6 +59,8 @@ struct RecordedCamera {
   std::string remark{};  ///< where it is from, if not from a camera.ini or the user
 };
 
+constexpr double kMillimetres = 1000;  ///< image values per metre
+
 /** \brief A camera with the noise and largest depth of a preset. */
 CameraFile cameraFileOf(const Intrinsics& intrinsics, double depth_scale, const CameraPreset& preset);
 

@@ -136,8 +136,6 @@ StoredDepth readRtabmapDepth(ByteView bytes, const std::string& name) {
 
 namespace {
 
-constexpr double kMillimetres = 1000;  // values per metre
-
 /** A node of the graph with a depth image. */
 struct Node {
   int id = 0;

@@ -314,15 +314,13 @@ private:
   /** The lines of each frame; those of the trajectory lack their stamps. */
   static std::map<std::string, Text> readFrames(const fs::path& folder) {
     std::map<std::string, Text> frames;
-    const csv::Table timing = tableOf(folder / kTiming, ignore);
-    for (const csv::Row& row : timing.rows()) frames[timing.string(row, "frame")].timing = row.text;
-    const csv::Table covariances = tableOf(folder / kCovariances, ignore);
-    for (const csv::Row& row : covariances.rows())
-      frames[covariances.string(row, "frame")].covariances = row.text;
-    if (fs::exists(folder / kShares)) {  // not in the folders of older versions
-      const csv::Table shares = tableOf(folder / kShares, ignore);
-      for (const csv::Row& row : shares.rows()) frames[shares.string(row, "frame")].shares = row.text;
-    }
+    const auto readLines = [&](const char* file, std::string Text::*line) {
+      const csv::Table table = tableOf(folder / file, ignore);
+      for (const csv::Row& row : table.rows()) frames[table.string(row, "frame")].*line = row.text;
+    };
+    readLines(kTiming, &Text::timing);
+    readLines(kCovariances, &Text::covariances);
+    if (fs::exists(folder / kShares)) readLines(kShares, &Text::shares);  // not in those of older versions
     const csv::Table hypotheses = tableOf(folder / kHypotheses, ignore);
     for (const csv::Row& row : hypotheses.rows()) {
       Text& frame = frames[hypotheses.string(row, "frame")];
