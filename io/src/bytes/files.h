@@ -29,7 +29,7 @@ namespace files {
 /** \brief Why the last call of the C library failed. */
 inline std::string lastError() { return std::generic_category().message(errno); }
 
-// The three next are false where nothing can be looked at.
+/** \brief Is something there? Like the next two, false where nothing can be looked at. */
 inline bool isThere(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
