@@ -14,10 +14,6 @@
 namespace facetloc {
 namespace {
 
-bool same(const RoundBody& a, const RoundBody& b) {
-  return a.shape == b.shape && a.half_size == b.half_size && a.T_w_b.matrix() == b.T_w_b.matrix();
-}
-
 /** Vertices and faces that grow together. */
 class MeshBuilder {
 public:
@@ -137,8 +133,10 @@ SimulatedWorld lastingParts(const SimulatedPlace& place) {
   for (const Rectangle& r : place.mapped.rectangles)
     if (later.count(r.plane_id) > 0) world.rectangles.push_back(r);
   for (const RoundBody& body : place.mapped.bodies)
-    if (std::any_of(place.later.bodies.begin(), place.later.bodies.end(),
-                    [&body](const RoundBody& other) { return same(body, other); }))
+    if (std::any_of(place.later.bodies.begin(), place.later.bodies.end(), [&body](const RoundBody& other) {
+          return body.shape == other.shape && body.half_size == other.half_size &&
+                 body.T_w_b.matrix() == other.T_w_b.matrix();
+        }))
       world.bodies.push_back(body);
   return world;
 }

@@ -42,43 +42,41 @@ enum class Kind { whole, required, optional };  // whole numbers are required
 struct Key {
   std::string_view name;
   double lowest, highest;
-  Kind kind = Kind::optional;
   Field field = nullptr;
+  Kind kind = Kind::optional;
 };
 
 /** The order is the one of written files. */
 constexpr Key kKeys[] = {
-    {"width", 1, kLargestSide, Kind::whole},
-    {"height", 1, kLargestSide, Kind::whole},
-    {"fx", kPositive, kLargest, Kind::required},
-    {"fy", -kLargest, kLargest, Kind::required},
-    {"cx", -kLargest, kLargest, Kind::required},
-    {"cy", -kLargest, kLargest, Kind::required},
-    {"depth_scale", kPositive, 1e9, Kind::required},
-    {"k1", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k1>},
-    {"k2", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k2>},
-    {"k3", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k3>},
-    {"k4", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k4>},
-    {"k5", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k5>},
-    {"k6", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::k6>},
-    {"p1", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::p1>},
-    {"p2", -kLargestLens, kLargestLens, Kind::optional, lens<&LensDistortion::p2>},
-    {"mount_height", 0, 100, Kind::optional, mounted<&CameraMounting::height>},
-    {"mount_tilt_deg", -90, 90, Kind::optional, mounted<&CameraMounting::tilt_deg>},
-    {"mount_roll_deg", -180, 180, Kind::optional, mounted<&CameraMounting::roll_deg>},
-    {"mount_pan_deg", -180, 180, Kind::optional, mounted<&CameraMounting::pan_deg>},
-    {"mount_x", -100, 100, Kind::optional, mounted<&CameraMounting::x>},
-    {"mount_y", -100, 100, Kind::optional, mounted<&CameraMounting::y>},
+    {"width", 1, kLargestSide, nullptr, Kind::whole},
+    {"height", 1, kLargestSide, nullptr, Kind::whole},
+    {"fx", kPositive, kLargest, nullptr, Kind::required},
+    {"fy", -kLargest, kLargest, nullptr, Kind::required},
+    {"cx", -kLargest, kLargest, nullptr, Kind::required},
+    {"cy", -kLargest, kLargest, nullptr, Kind::required},
+    {"depth_scale", kPositive, 1e9, nullptr, Kind::required},
+    {"k1", -kLargestLens, kLargestLens, lens<&LensDistortion::k1>},
+    {"k2", -kLargestLens, kLargestLens, lens<&LensDistortion::k2>},
+    {"k3", -kLargestLens, kLargestLens, lens<&LensDistortion::k3>},
+    {"k4", -kLargestLens, kLargestLens, lens<&LensDistortion::k4>},
+    {"k5", -kLargestLens, kLargestLens, lens<&LensDistortion::k5>},
+    {"k6", -kLargestLens, kLargestLens, lens<&LensDistortion::k6>},
+    {"p1", -kLargestLens, kLargestLens, lens<&LensDistortion::p1>},
+    {"p2", -kLargestLens, kLargestLens, lens<&LensDistortion::p2>},
+    {"mount_height", 0, 100, mounted<&CameraMounting::height>},
+    {"mount_tilt_deg", -90, 90, mounted<&CameraMounting::tilt_deg>},
+    {"mount_roll_deg", -180, 180, mounted<&CameraMounting::roll_deg>},
+    {"mount_pan_deg", -180, 180, mounted<&CameraMounting::pan_deg>},
+    {"mount_x", -100, 100, mounted<&CameraMounting::x>},
+    {"mount_y", -100, 100, mounted<&CameraMounting::y>},
     {"inverse_depth_std", DepthNoise::kLeastInverseDepthStd, DepthNoise::kLargestInverseDepthStd,
-     Kind::optional, noise<&SensorNoise::inverse_depth_std>},
-    {"depth_std", 0, DepthNoise::kLargestDepthStd, Kind::optional, noise<&SensorNoise::depth_std>},
-    {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, Kind::optional,
-     noise<&SensorNoise::depth_std_slope>},
-    {"distortion_offset", 0, 1, Kind::optional, noise<&SensorNoise::distortion_offset>},
-    {"distortion_slope", 0, 1, Kind::optional, noise<&SensorNoise::distortion_slope>},
-    {"correlation_px", 0, SensorNoise::kLargestCorrelation, Kind::optional,
-     noise<&SensorNoise::correlation_px>},
-    {"max_depth", 0.1, 1e3, Kind::optional, maxDepth},
+     noise<&SensorNoise::inverse_depth_std>},
+    {"depth_std", 0, DepthNoise::kLargestDepthStd, noise<&SensorNoise::depth_std>},
+    {"depth_std_slope", 0, DepthNoise::kLargestDepthStdSlope, noise<&SensorNoise::depth_std_slope>},
+    {"distortion_offset", 0, 1, noise<&SensorNoise::distortion_offset>},
+    {"distortion_slope", 0, 1, noise<&SensorNoise::distortion_slope>},
+    {"correlation_px", 0, SensorNoise::kLargestCorrelation, noise<&SensorNoise::correlation_px>},
+    {"max_depth", 0.1, 1e3, maxDepth},
 };
 constexpr std::string_view kPreset = "camera", kDepthIs = "depth_is";  // the keys whose values are words
 constexpr std::string_view kZ = "z", kDistance = "distance";
