@@ -38,6 +38,14 @@ bool isMadeOf(const Map& present, const MapInputs& inputs) {
   });
 }
 
+/** Locks the file that a map is written to. Throws IoError if it exists and may not be replaced. */
+OutputLock lockTarget(const fs::path& map, bool may_replace) {
+  OutputLock lock = OutputLock::ofFile(map);
+  if (!may_replace && fs::file_size(map) > 0)
+    throw IoError(map.string(), "exists already; give --overwrite to replace it");
+  return lock;
+}
+
 bool hasItsIndex(const Map& map) {
   const auto written = map.store() ? map.store()->placeIndex() : nullptr;
   return written && PlaceIndex::read(*written, map);
@@ -84,11 +92,13 @@ void replaceWholeMap(const fs::path& path, const Map& map, int threads, const Co
   });
 }
 
-OutputLock lockTarget(const fs::path& map, bool may_replace) {
-  OutputLock lock = OutputLock::ofFile(map);
-  if (!may_replace && fs::file_size(map) > 0)
-    throw IoError(map.string(), "exists already; give --overwrite to replace it");
-  return lock;
+std::pair<std::string, OutputLock> lockSuccessor(const std::string& map, const std::string& output,
+                                                 bool overwrite) {
+  if (overwrite && output.empty())
+    throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
+  if (!fs::is_regular_file(map)) throw IoError(map, "is not there");
+  if (output.empty()) return {map, OutputLock::ofFile(map)};
+  return {output, lockTarget(output, overwrite)};
 }
 
 Map writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,

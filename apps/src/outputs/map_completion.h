@@ -58,8 +58,10 @@ void completeMap(const std::filesystem::path& map, int threads, const Console& c
 Map writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
                 const std::function<Map()>& make);
 
-/** \brief Locks the file that a map is written to. Throws IoError if it exists and may not be replaced. */
-OutputLock lockTarget(const std::filesystem::path& map, bool may_replace);
+/** \brief The locked file for what becomes of a map: an output of that name, or else the map itself. Throws
+ * UsageError to overwrite no output, IoError without the map, or if the output may not be replaced. */
+std::pair<std::string, OutputLock> lockSuccessor(const std::string& map, const std::string& output,
+                                                 bool overwrite);
 
 /** \brief Writes a map in the place of one that was there, which stays as it was until the new one is
  * complete. Throws IoError, and Stopped at Ctrl-C. */

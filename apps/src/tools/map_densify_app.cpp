@@ -5,18 +5,14 @@
 #include "inputs/depth_input.h"
 #include "outputs/map_completion.h"
 
-#include <facetloc/io/atomic_file.h>
 #include <facetloc/io/error.h>
 #include <facetloc/io/map_database.h>
 #include <facetloc/mapping/densified_map.h>
 
-#include <filesystem>
 #include <fmt/core.h>
 
 namespace facetloc {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string toString(const Densification& done, const Map& map) {
   std::string words = fmt::format("{} rendered from the depth pictures of {}", counted(done.rendered, "view"),
@@ -49,11 +45,7 @@ private:
   }
 
   int execute(const CommandLine&, const Console& console) override {
-    if (overwrite_ && output_.empty())
-      throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
-    const std::string target = output_.empty() ? map_ : output_;
-    if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
-    const OutputLock lock = lockTarget(target, output_.empty() || overwrite_);
+    const auto [target, lock] = lockSuccessor(map_, output_, overwrite_);
     Map map = noteUnfinished(readMap(map_), map_, console);
     MapWatch watch(console);
     const Densification done = densify(map, params_, view_, threads(), watch.callback());

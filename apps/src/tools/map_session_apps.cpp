@@ -248,11 +248,7 @@ private:
   }
 
   int execute(const CommandLine& line, const Console& console) override {
-    if (overwrite_ && output_.empty())
-      throw UsageError("overwrite belongs to --output; without that, MAP.flmap itself is replaced");
-    const std::string target = output_.empty() ? map_ : output_;
-    if (!fs::is_regular_file(map_)) throw IoError(map_, "is not there");
-    const OutputLock lock = lockTarget(target, output_.empty() || overwrite_);
+    const auto [target, lock] = lockSuccessor(map_, output_, overwrite_);
     const auto map = readMapWithPoses(console);
     const DepthSequence sequence = openSequence(sequence_, input_.recording, console);
     const MapSession session = find(map, sequence, line, console);
