@@ -61,7 +61,8 @@ private:
                    "Write the pose of each image used, in the TUM format.");
     addPoseTolerance(line, pose_tolerance_);
     gravity_.addOptions(line);
-    line.addOption("every", every_, "N", "Make each N-th image a local model, whatever its pose; 0 = off.");
+    line.addOption("every", params_.every, "N",
+                   "Make each N-th image a local model, whatever its pose; 0 = off.");
     line.addSwitch("overwrite", overwrite_, "Replace an existing map.");
     line.addSwitch("resume", resume_, "Continue an existing map.");
     line.addSwitch("raw-depth", raw_depth_, "Do not estimate and remove the depth distortion of the camera.");
@@ -69,7 +70,7 @@ private:
     line.addPresets();
     addRecordingOptions(line, input_.recording);
     input_.addOptions(line);
-    line.addParams(builder_, "map", CommandLine::Shown::in_help);
+    line.addParams(params_.places, "map", CommandLine::Shown::in_help);
     by_images_.addOptions(line);
     line.addExample("walk -o office.flmap", "by the recording's poses, or by its images");
     line.addExample("walk -o office.flmap --without-poses", "by its images alone");
@@ -77,13 +78,10 @@ private:
 
   MapMaking makingOf(const DepthSequence& sequence, const Camera& camera, const Console& console) {
     if (!poses_.empty() || !without_poses_) given_ = givenPoses(sequence, poses_, console);
-    MapMakingParams params;
-    params.places = builder_;
-    params.trajectory = by_images_.params();
-    params.view = input_.view;
-    params.every = every_;
-    params.distortion = !raw_depth_;
-    MapMaking making(camera, params);
+    params_.trajectory = by_images_.params();
+    params_.view = input_.view;
+    params_.distortion = !raw_depth_;
+    MapMaking making(camera, params_);
     making.setNumberOfThreads(threads());
     addImages(sequence, given_,
               {input_.width, pose_tolerance_, [this](double stamp) { return gravity_.at(stamp); }}, making);
@@ -107,7 +105,7 @@ private:
 
   /** \return kFailed if images could not be read. */
   int findTrajectory(const DepthSequence& sequence, MapMaking& making, const Console& console) const {
-    if (!given_.empty() || every_ > 0 || !poses_.empty()) return kOk;
+    if (!given_.empty() || params_.every > 0 || !poses_.empty()) return kOk;
     console.note("no poses are given: the trajectory is found from the images");
     making.setOdometry(by_images_.odometry(sequence, making.camera(), console));
     making.findTrajectory();
@@ -127,10 +125,10 @@ private:
 
   /** Throws IoError if there are none. */
   std::vector<MapPlace> placesOf(const DepthSequence& sequence, const MapMaking& making) const {
-    const bool asks_for_poses = !making.findings().trajectory && (every_ == 0 || !poses_.empty());
+    const bool asks_for_poses = !making.findings().trajectory && (params_.every == 0 || !poses_.empty());
     if (asks_for_poses && !sequence.stamped())
       throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
-    if (asks_for_poses && every_ == 0 && given_.empty()) throw IoError(poses_, "has no poses");
+    if (asks_for_poses && params_.every == 0 && given_.empty()) throw IoError(poses_, "has no poses");
     std::vector<MapPlace> places = making.places();
     if (places.empty())
       throw IoError(sequence_, fmt::format("none of its images has a pose within {:.9g} s", pose_tolerance_));
@@ -189,10 +187,11 @@ private:
    * leaves no map, if there would be nothing in it. */
   int build(const fs::path& path, const DepthSequence& sequence, const std::vector<MapPlace>& places,
             MapMaking& making, ModelBatch& batch, const Console& console) const {
-    const std::string parameters =
-        cameraLine(sequence.camera()) + fmt::format("every = {}\nraw-depth = {:d}\n", every_, raw_depth_) +
-        gravity_.toIni() + toIni(input_, making.camera()) + toIni(builder_, "map") +
-        (making.findings().trajectory ? by_images_.toIni() : "");
+    const std::string parameters = cameraLine(sequence.camera()) +
+                                   fmt::format("every = {}\nraw-depth = {:d}\n", params_.every, raw_depth_) +
+                                   gravity_.toIni() + toIni(input_, making.camera()) +
+                                   toIni(params_.places, "map") +
+                                   (making.findings().trajectory ? by_images_.toIni() : "");
     const MapInputs inputs{map_, sequence_, sequence, places, parameters, disagreement_};
     MapFile file(path,
                  resume_ ? resumeMap(path, inputs, making.camera())
@@ -224,7 +223,7 @@ private:
 
   int execute(const CommandLine& line, const Console& console) override {
     if (map_.empty()) throw UsageError("the map to write is missing: -o MAP.flmap");
-    if (every_ < 0) throw UsageError("every must not be negative");
+    if (params_.every < 0) throw UsageError("every must not be negative");
     if (overwrite_ && resume_) throw UsageError("overwrite and resume exclude each other");
     const DepthSequence sequence = DepthSequence::open(sequence_, input_.recording);
     const Camera camera = input_.camera(sequence.camera(), line);
@@ -273,13 +272,12 @@ private:
   std::string disagreement_;  // between poses and images, as text
   Trajectory given_;          // poses of the images; empty if none are given
   std::string sequence_, map_, poses_, trajectory_;
-  int every_ = 0;
   double pose_tolerance_ = 0.02;
   bool overwrite_ = false, resume_ = false, raw_depth_ = false, force_ = false, without_poses_ = false;
   ImageTrajectory by_images_;
   GravityOption gravity_;
   DepthInput input_;
-  MapBuilderParams builder_;
+  MapMakingParams params_;
 };
 
 }  // namespace

@@ -108,8 +108,8 @@ protected:
     });
     addRecordingOptions(line, input_.recording);
     input_.addOptions(line);
-    line.addParams(builder_, "map");
-    line.addParams(session_, "session", CommandLine::Shown::in_help);
+    line.addParams(params_.places, "map");
+    line.addParams(params_.session, "session", CommandLine::Shown::in_help);
     by_images_.addOptions(line);
   }
 
@@ -133,7 +133,7 @@ protected:
     session.setProgress({});
     if (!place.found())
       throw IoError(sequence_, fmt::format("is not found in {}, which stays as it is: {}, {} must", map_,
-                                           place.toString(), session_.min_agreeing));
+                                           place.toString(), params_.session.min_agreeing));
     console.out << "the session is found in the map: " << place.toString() << "\n";
     const std::size_t lost = place.T_w_k.size() - session.placed();
     if (lost > 0)
@@ -154,9 +154,7 @@ private:
     if (by_poses && !sequence.stamped())
       throw IoError(sequence_, "its image names are no time stamps: poses cannot be matched");
 
-    MapUpdateParams params;
-    params.session = session_;
-    params.places = builder_;
+    MapUpdateParams params = params_;
     params.trajectory = by_images_.params();
     params.view = input_.view;
     MapSession session(map, camera, params);
@@ -175,8 +173,7 @@ private:
 
   double pose_tolerance_ = 0.02;
   bool without_poses_ = false;
-  MapBuilderParams builder_;
-  MapSessionParams session_;
+  MapUpdateParams params_;  // but for those of trajectory and views
   ImageTrajectory by_images_;
 };
 
