@@ -25,8 +25,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <functional>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -78,12 +78,6 @@ std::vector<StampedPose> stamped(const std::vector<double>& stamps,
   return all;
 }
 
-std::vector<std::uint64_t> numbers(std::uint64_t first, std::size_t n) {
-  std::vector<std::uint64_t> all(n);
-  std::iota(all.begin(), all.end(), first);
-  return all;
-}
-
 std::map<int, WorldPlane> planesOf(const SimulatedWorld& scene) {
   std::map<int, WorldPlane> planes;
   for (const Rectangle& r : scene.rectangles)
@@ -126,7 +120,7 @@ private:
   struct Run {
     std::string name;
     const SimulatedWorld* scene;
-    std::vector<std::uint64_t> noise;  // that each image has
+    std::function<std::uint64_t(std::size_t)> noise;  // number of the noise that an image has
     bool labels;
     std::vector<Eigen::Isometry3d> poses;
     std::vector<double> stamps{};
@@ -241,14 +235,14 @@ private:
       return poses;
     };
     const std::size_t further = static_cast<std::size_t>(rounds_ - 1) * map_frames;
-    std::vector<Run> runs = {{kMap, &made.mapped, numbers(0, map_frames), true,
-                              drive(made.mapped, made.mapping_route, map_frames + further, map_drive, 0, {})},
-                             {kQuery, &made.later, numbers(map_frames, query_frames), true,
-                              drive(made.later, made.query_route, query_frames, drive_, 1, {})},
-                             {kDrive, &made.later, numbers(map_frames + query_frames, drive_frames), false,
-                              drive(made.later, made.query_route, drive_frames, drive_, 2, pace_)}};
-    const std::vector<std::uint64_t> more = numbers(map_frames + query_frames + drive_frames, further);
-    runs.front().noise.insert(runs.front().noise.end(), more.begin(), more.end());
+    std::vector<Run> runs = {
+        {kMap, &made.mapped,
+         [=](std::size_t i) { return i < map_frames ? i : i + query_frames + drive_frames; }, true,
+         drive(made.mapped, made.mapping_route, map_frames + further, map_drive, 0, {})},
+        {kQuery, &made.later, [=](std::size_t i) { return map_frames + i; }, true,
+         drive(made.later, made.query_route, query_frames, drive_, 1, {})},
+        {kDrive, &made.later, [=](std::size_t i) { return map_frames + query_frames + i; }, false,
+         drive(made.later, made.query_route, drive_frames, drive_, 2, pace_)}};
     setStamps(runs);
     if (map_poses_.any()) runs.front().reported = simulateMapPoses(runs.front().poses, map_poses_, seed);
     const std::vector<std::string> wanted = wantedRuns();
@@ -374,7 +368,7 @@ private:
           const std::string file = run->frameName(index) + ".png";
           const SimulatedFrame frame =
               camera.render(run->people ? run->people->in(*run->scene, index) : *run->scene,
-                            run->poses[index], run->noise[index]);
+                            run->poses[index], run->noise(index));
           writeDepthPng(folder / "depth" / file, frame.depth, kDepthScale);
           if (run->labels) writeLabels(folder / "labels" / file, frame.labels);
           if (run->name == kQuery)
