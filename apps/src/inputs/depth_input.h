@@ -15,6 +15,11 @@
 
 namespace facetloc {
 
+/** \brief The options of all tools that read recordings: facts that the files do not contain. */
+void addRecordingOptions(CommandLine& line, RecordingHints& recording);
+/** \brief One of them, for tools that read poses and no images. */
+void addTimeOffset(CommandLine& line, double& seconds);
+
 /** \brief How depth images become views, for all tools that read images. */
 struct DepthInput {
   int width = 320;  ///< working width [px]; 0 = full size
@@ -23,15 +28,15 @@ struct DepthInput {
   RecordingHints recording;
 
   void addOptions(CommandLine& line);
+  /** \brief These, after those of recordings. */
+  void addAllOptions(CommandLine& line) {
+    addRecordingOptions(line, recording);
+    addOptions(line);
+  }
   /** \brief The camera of images: as its camera.ini says, if there is one, but for the noise that the user
    * has given. */
   Camera camera(const std::optional<CameraFile>& file, const CommandLine& line) const;
 };
-
-/** \brief The options of all tools that read recordings: facts that the files do not contain. */
-void addRecordingOptions(CommandLine& line, RecordingHints& recording);
-/** \brief One of them, for tools that read poses and no images. */
-void addTimeOffset(CommandLine& line, double& seconds);
 
 /** \brief The images at a path, or with RecordingHints::segments their segments, with the findings of
  * reading them. Throws IoError. */

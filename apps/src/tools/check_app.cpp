@@ -104,8 +104,7 @@ private:
     line.addArgument("RECORDING", input_);
     line.addOption("poses", poses_, "FILE", "Check these poses instead of those of the RECORDING.");
     addPoseTolerance(line, pose_tolerance_);
-    addRecordingOptions(line, depth_.recording);
-    depth_.addOptions(line);
+    depth_.addAllOptions(line);
     line.addExample("walk", "the content of walk, and faults");
     line.addExample("walk --poses poses.csv", "whether these poses fit its images");
   }
@@ -136,15 +135,12 @@ private:
     }
     std::vector<float> depth;
     double measured = 0, segments = 0;
-    std::size_t n = 0;
     for (const ImageReport& image : images) {
-      if (!image.is_read) continue;
-      ++n;
       measured += image.measured;
       segments += static_cast<double>(image.view.segments.size());
       depth.insert(depth.end(), image.depth.begin(), image.depth.end());
     }
-    measured /= static_cast<double>(n), segments /= static_cast<double>(n);
+    measured /= static_cast<double>(images.size()), segments /= static_cast<double>(images.size());
     if (depth.empty()) {
       line(console, "depth", "nothing is measured");
       found.push_back({"depth.none", Severity::refusal, "no pixel is measured",
@@ -187,9 +183,7 @@ private:
 
   void reportCamera(const DepthSequence& sequence, const std::vector<ImageReport>& images,
                     const Console& console) const {
-    const auto first =
-        std::find_if(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; });
-    line(console, "camera", toString(first->camera));
+    line(console, "camera", toString(images.front().camera));
     const auto& file = sequence.camera();
     if (!file) return line(console, "", "by the points of the clouds");
     const bool is_png = text::lowerExtension(sequence.frames().front().path) == ".png";
@@ -224,10 +218,8 @@ private:
   void reportFloor(std::vector<ImageReport>& images, const Camera& camera, const Trajectory& poses,
                    const Console& console, Findings& found) const {
     Map map;
-    for (ImageReport& image : images) {
-      if (!image.is_read) continue;
+    for (ImageReport& image : images)
       map.models.emplace_back(std::string(), 0.0, std::nullopt, std::move(image.view));
-    }
     const auto floor = findFloor(map);
     if (!floor) return line(console, "floor", "none that the images have in common");
     const auto degrees = [](double deg) { return text::decimals(deg, 1) + " deg"; };
@@ -328,8 +320,9 @@ private:
                 report.is_read = true;
               });
     const int code = batch.report();
-    if (std::none_of(images.begin(), images.end(), [](const ImageReport& i) { return i.is_read; }))
-      throw IoError(input_, "none of its images can be read");
+    const auto unread = [](const ImageReport& image) { return !image.is_read; };
+    images.erase(std::remove_if(images.begin(), images.end(), unread), images.end());
+    if (images.empty()) throw IoError(input_, "none of its images can be read");
 
     Findings found = readingFindings(sequence);
     reportImages(sequence, images, console, found);

@@ -179,8 +179,7 @@ private:
     addOverwrite(line, overwrite_);
     line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
     line.addPresets();
-    addRecordingOptions(line, input_.recording);
-    input_.addOptions(line);
+    input_.addAllOptions(line);
     line.rareFromHere();
     line.addOption(
         "starts", starts_, "N",

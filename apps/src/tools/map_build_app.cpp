@@ -68,8 +68,7 @@ private:
     line.addSwitch("raw-depth", raw_depth_, "Do not estimate and remove the depth distortion of the camera.");
     line.addSwitch("force", force_, "Build the map even if images or poses are found to be wrong.");
     line.addPresets();
-    addRecordingOptions(line, input_.recording);
-    input_.addOptions(line);
+    input_.addAllOptions(line);
     line.addParams(params_.places, "map", CommandLine::Shown::in_help);
     by_images_.addOptions(line);
     line.addExample("walk -o office.flmap", "by the recording's poses, or by its images");

@@ -79,8 +79,7 @@ private:
       if (!(is_right_.max_translation > 0)) throw UsageError("max-translation must be positive");
       if (!(is_right_.max_rotation_deg > 0)) throw UsageError("max-rotation-deg must be positive");
     });
-    addRecordingOptions(line, input_.recording);
-    input_.addOptions(line);
+    input_.addAllOptions(line);
     addLocalizationOptions(line, localization_);
     line.addExample("office.flmap walk --alpha 0.01", "at most 1 % of the sure answers wrong");
     line.addExample("office.flmap --alpha 0.05", "by the images of the map itself");

@@ -106,8 +106,7 @@ protected:
     line.addCheck([this] {
       if (without_poses_ && !poses_.empty()) throw UsageError("poses and without-poses exclude each other");
     });
-    addRecordingOptions(line, input_.recording);
-    input_.addOptions(line);
+    input_.addAllOptions(line);
     line.addParams(params_.places, "map");
     line.addParams(params_.session, "session", CommandLine::Shown::in_help);
     by_images_.addOptions(line);

@@ -63,8 +63,7 @@ private:
     line.addOption("max-hypotheses", max_hypotheses_, "K", "Maximum number of poses.");
     addMinProbability(line, min_probability_);
     line.addPresets();
-    addRecordingOptions(line, input_.recording);
-    input_.addOptions(line);
+    input_.addAllOptions(line);
     addLocalizationOptions(line, localization_);
     line.addExample("a.pcd b.pcd", "the pose of the camera of a in b");
     line.addExample("a.pcd b.pcd --aligned moved.pcd", "a in the frame of b");

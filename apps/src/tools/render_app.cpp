@@ -133,8 +133,7 @@ private:
     line.addOption("sequence", sequence_, "RECORDING",
                    "The recording of the results: its images, and its true poses.");
     line.addOption("most", most_, "N", "Maximum number of failures drawn, the most confident first.");
-    addRecordingOptions(line, depth_.recording);
-    depth_.addOptions(line);
+    depth_.addAllOptions(line);
     line.addParams(evaluation_, "evaluation");
     addLocalizationOptions(line, localization_);
     line.addExample("office.flmap -o map.html", "a map, to turn in a browser");

@@ -156,8 +156,7 @@ private:
                    "Measure the noise of the images over depth instead, and print values for camera.ini.");
     addOverwrite(line, overwrite_);
     line.addSwitch("resume", resume_, "Skip images done by an earlier run, even if it was interrupted.");
-    addRecordingOptions(line, input_.recording);
-    input_.addOptions(line);
+    input_.addAllOptions(line);
     line.addExample("image.png -o found --overlay", "one image and its segments");
     line.addExample("walk -o found --ply", "meshes of the outlines of all images");
   }
@@ -203,15 +202,12 @@ private:
   }
 
   /** The inputs and parameters of the results. */
-  Provenance provenance(const std::vector<Image>& images, const CommandLine& line) const {
+  Provenance provenance(const std::vector<DepthSequence>& sequences, const std::vector<Image>& images,
+                        const CommandLine& line) const {
     Provenance provenance{fmt::format("# {}\n", versionText()), {}};
-    const DepthSequence* sequence = nullptr;
-    for (const Image& image : images) {
-      if (image.sequence != sequence) provenance.params_ini += cameraLine(image.sequence->camera());
-      sequence = image.sequence;
-      provenance.images[image.name] = sizeOf(image.file());
-    }
-    provenance.params_ini += toIni(input_, input_.camera(images.front().sequence->camera(), line));
+    for (const DepthSequence& sequence : sequences) provenance.params_ini += cameraLine(sequence.camera());
+    for (const Image& image : images) provenance.images[image.name] = sizeOf(image.file());
+    provenance.params_ini += toIni(input_, input_.camera(sequences.front().camera(), line));
     return provenance;
   }
 
@@ -307,7 +303,7 @@ private:
     }
     claimFolder(folder_, {"params.ini", "images.txt"}, overwrite_, resume_ ? nullptr : &console);
     const OutputLock lock = OutputLock::ofFolder(folder_);
-    const Images todo = prepare(all, provenance(all, line));
+    const Images todo = prepare(all, provenance(sequences, all, line));
     writeInputs(folder_, frames);
 
     const auto start = std::chrono::steady_clock::now();
