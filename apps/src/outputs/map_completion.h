@@ -58,7 +58,7 @@ void completeMap(const std::filesystem::path& map, int threads, const Console& c
 Map writeNewMap(const std::string& path, bool overwrite, int threads, const Console& console,
                 const std::function<Map()>& make);
 
-/** \brief The locked file for what becomes of a map: an output of that name, or else the map itself. Throws
+/** \brief The locked file of a map that is changed: an output of that name, or else the map itself. Throws
  * UsageError to overwrite no output, IoError without the map, or if the output may not be replaced. */
 std::pair<std::string, OutputLock> lockSuccessor(const std::string& map, const std::string& output,
                                                  bool overwrite);
