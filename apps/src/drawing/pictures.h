@@ -81,7 +81,7 @@ struct DrawnMatch {
 std::vector<SegmentPair> matchedSegments(const View& scene, const View& model,
                                          const Eigen::Isometry3d& T_m_c);
 /** \brief A query beside the local models it was matched to, one answer per row, matched segments in the same
- * colour; a failure shows rank 1 and the answer that would be right. */
+ * colour; a failure shows rank 1 and the answer that would be right. \param answers at least one */
 Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,
                                     const std::vector<DrawnMatch>& answers);
 

@@ -189,8 +189,7 @@ Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,
                                     const std::vector<DrawnMatch>& answers) {
   checkDrawable(query);
   const double panel_height = kPanelWidth * query.depth.camera.height / query.depth.camera.width;
-  const double rows =
-      Row::height(panel_height) * static_cast<double>(std::max<std::size_t>(answers.size(), 1));
+  const double rows = Row::height(panel_height) * static_cast<double>(answers.size());
   Page page(static_cast<int>(2 * kMargin + 3 * kPanelWidth + 2 * kGap), static_cast<int>(rows));
   double top = 0;
   for (const DrawnMatch& answer : answers) {
@@ -201,10 +200,6 @@ Raster<std::uint8_t> matchesPicture(const SeenImage& query, const Map& map,
     else
       drawAnswer(page, row, query, map, answer.model, answer.T_m_c);
     top += Row::height(panel_height);
-  }
-  if (answers.empty()) {
-    Row row(page, top, panel_height);
-    drawQueryAlone(page, row, query);
   }
   return page.render();
 }

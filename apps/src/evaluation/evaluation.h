@@ -188,13 +188,5 @@ struct Summary {
   Sample nees;  ///< correct poses of rank 1 with a covariance; 6 on average if consistent
 };
 Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames);
-/** \brief Summary of the frames that are chosen. */
-template <class Chosen>
-Summary summarize(const std::string& name, const std::vector<FrameEvaluation>& frames, const Chosen& chosen) {
-  std::vector<FrameEvaluation> some;
-  for (const FrameEvaluation& frame : frames)
-    if (chosen(frame)) some.push_back(frame);
-  return summarize(name, some);
-}
 
 }  // namespace facetloc

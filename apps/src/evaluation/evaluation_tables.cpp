@@ -8,6 +8,7 @@
 #include <array>
 #include <fmt/format.h>
 #include <functional>
+#include <iterator>
 #include <optional>
 
 namespace facetloc {
@@ -230,8 +231,9 @@ std::vector<Summary> summarizeSets(const Evaluation& evaluation) {
 
   std::vector<Summary> summaries;
   const auto add = [&](const std::string& name, const auto& chosen) {
-    Summary summary = summarize(name, frames, chosen);
-    if (summary.total > 0) summaries.push_back(std::move(summary));
+    std::vector<FrameEvaluation> some;
+    std::copy_if(frames.begin(), frames.end(), std::back_inserter(some), chosen);
+    if (!some.empty()) summaries.push_back(summarize(name, some));
   };
   summaries.push_back(summarize(!known ? "all" : mixed ? "all images" : "all (new)", frames));
   if (mixed && !several_runs) add("map images", isMapImage);

@@ -28,15 +28,7 @@ constexpr const char* kPlanesHeader = "plane,nx,ny,nz,d";
 constexpr const char* kUnmapped = "unmapped.txt";
 constexpr const char* kPoses = "groundtruth.txt";
 
-std::vector<std::string> linesOf(const fs::path& path) {
-  const std::string content = readText(path);
-  std::vector<std::string> lines;
-  for (const std::string_view line : text::lines(content))
-    lines.emplace_back(line.substr(0, line.find_last_not_of(text::kBlank) + 1));
-  return lines;
-}
-
-std::vector<double> numbersOf(const std::string& line) {
+std::vector<double> numbersOf(std::string_view line) {
   std::vector<double> numbers;
   for (const std::string_view cell : text::split(line, ',')) {
     const auto number = text::to<double>(cell);
@@ -57,7 +49,8 @@ LabelImage subsampledLabels(const Raster<std::uint16_t>& image, int step) {
 
 std::set<std::string> namesOf(const fs::path& path) {
   std::set<std::string> names;
-  for (const std::string& line : linesOf(path))
+  const std::string content = readText(path);
+  for (const std::string_view line : text::lines(content))
     if (const auto name = text::trimmed(text::withoutComment(line)); !name.empty()) names.emplace(name);
   return names;
 }
@@ -83,8 +76,10 @@ bool sharedPlanesSuffice(const TrueSegments& query, const TrueSegments& model, d
 }
 
 std::map<int, WorldPlane> readPlanes(const fs::path& path) {
-  const std::vector<std::string> lines = linesOf(path);
-  if (lines.empty() || lines.front() != kPlanesHeader)
+  const std::string content = readText(path);
+  std::vector<std::string_view> lines = text::lines(content);
+  for (std::string_view& line : lines) line = line.substr(0, line.find_last_not_of(text::kBlank) + 1);
+  if (lines.front() != kPlanesHeader)
     throw IoError(path.string(), std::string("does not begin with ") + kPlanesHeader);
   std::map<int, WorldPlane> planes;
   for (std::size_t i = 1; i < lines.size(); ++i) {
