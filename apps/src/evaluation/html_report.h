@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <json/value.h>
 #include <string>
@@ -17,6 +18,13 @@
 #include <vector>
 
 namespace facetloc {
+
+/** \brief Numbers of a chart. */
+inline Json::Value chartRow(std::initializer_list<double> values) {
+  Json::Value cells(Json::arrayValue);
+  for (const double value : values) cells.append(value);
+  return cells;
+}
 
 /** \brief A page in one file: its style, pictures and the script that draws its plan and charts are inside.
  * All texts are plain and escaped here. */

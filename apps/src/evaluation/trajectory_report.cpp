@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
+#include "drawing/pictures.h"
 #include "evaluation/evaluation_report.h"
 #include "evaluation/html_report.h"
 
 #include <facetloc/features/pose.h>
 #include <facetloc/io/atomic_file.h>
 
+#include <cmath>
 #include <fmt/format.h>
 
 namespace facetloc {
@@ -85,6 +87,15 @@ void writeSummary(std::ostream& out, const TrajectoryErrors& e) {
   }
 }
 
+/** The axis of the world that the upper edges of the images look to. */
+PlanView planOf(const std::vector<PosePair>& pairs) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const PosePair& pair : pairs) sum -= pair.truth.linear().col(1);
+  Eigen::Index axis = 0;
+  sum.cwiseAbs().maxCoeff(&axis);
+  return PlanView(std::copysign(1.0, sum[axis]) * Eigen::Vector3d::Unit(axis));
+}
+
 }  // namespace
 
 std::string motionText(const Eigen::Isometry3d& T) {
@@ -124,6 +135,29 @@ void writeHtmlReport(const std::filesystem::path& folder, const TrajectoryReport
   for (const std::string& line : preface(report)) page.paragraph(line);
   page.end();
   writeTextAtomically(folder / "report.html", [&](std::ostream& out) { out << page.str(); });
+}
+
+Json::Value chartData(const TrajectoryErrors& errors) {
+  const PlanView plan = planOf(errors.pairs);
+  Json::Value data;
+  for (std::size_t i = 0; i < errors.pairs.size(); ++i) {
+    const Eigen::Vector2d truth = plan.point(errors.pairs[i].truth.translation()),
+                          estimated = plan.point(errors.pairs[i].estimated.translation());
+    data["plan"]["true"].append(chartRow({truth.x(), truth.y()}));
+    data["plan"]["estimated"].append(chartRow({estimated.x(), estimated.y()}));
+    data["errors"].append(
+        chartRow({errors.distance[i], kMillimetres * errors.translation[i], errors.rotation_deg[i]}));
+  }
+  return data;
+}
+
+void drawTrajectories(const std::filesystem::path& path, const TrajectoryErrors& errors) {
+  DrawnRun truth{"true", {}, {110, 110, 110}}, estimated{"estimated", {}};
+  for (const PosePair& pair : errors.pairs) {
+    truth.T_w_c.push_back(pair.truth);
+    estimated.T_w_c.push_back(pair.estimated);
+  }
+  drawRuns(path, planOf(errors.pairs), {truth, estimated});
 }
 
 }  // namespace facetloc

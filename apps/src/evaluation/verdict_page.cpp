@@ -10,6 +10,35 @@
 namespace facetloc {
 namespace {
 
+constexpr double kPaperPosition = 164, kPaperOrientationDeg = 1.9;  // 99 % bounds of the paper's Fig. 6
+
+/** The paper's Fig. 6. */
+Json::Value errorData(const EvaluationReport& report, Sample Summary::*errors, double limit,
+                      double paper_bound) {
+  Json::Value data;
+  for (const Summary& summary : report.summaries) {
+    if (summary.correct == 0) continue;
+    Json::Value set;
+    set["name"] = summary.name;
+    for (const double error : (summary.*errors).values) set["errors"].append(error);
+    data["sets"].append(set);
+  }
+  if (data.isNull()) return data;
+  data["limit"] = limit;
+  data["marks"]["99 %"] = (report.summaries.front().*errors).bound(kMarkedShare);
+  if (report.beside_paper) data["marks"]["99 % in the paper"] = paper_bound;
+  return data;
+}
+
+Json::Value groupData(const std::vector<ErrorGroup>& groups) {
+  Json::Value rows;
+  for (const ErrorGroup& group : groups)
+    rows.append(chartRow({group.mean, static_cast<double>(group.summary.total),
+                          static_cast<double>(group.summary.correct),
+                          static_cast<double>(group.summary.best_correct)}));
+  return rows;
+}
+
 std::string figuresOf(const std::vector<KeyFigure>& figures) {
   std::string html = "<div class=\"figures\">";
   for (const KeyFigure& figure : figures)
@@ -83,6 +112,29 @@ void addUnsure(const EvaluationReport& report, HtmlPage& page) {
 }
 
 }  // namespace
+
+Json::Value chartData(const EvaluationReport& report) {
+  const Summary& summary = newImages(report.summaries);
+  const std::vector<FrameEvaluation> frames = framesInQuestion(report.evaluation);
+  Json::Value data;
+  Json::Value& reliability = data["reliability"];
+  reliability["images"] = summary.name;
+  reliability["brier"] = summary.brier;
+  reliability["enough"] = static_cast<Json::UInt64>(kReliableCount);
+  for (const ReliabilityBin& bin : summary.reliability)
+    reliability["bins"].append(
+        chartRow({bin.lowest, bin.highest, static_cast<double>(bin.n), bin.mean_probability, bin.correct}));
+  data["position"] =
+      errorData(report, &Summary::translation_mm, 1000 * report.params.max_translation, kPaperPosition);
+  data["orientation"] =
+      errorData(report, &Summary::rotation_deg, report.params.max_rotation_deg, kPaperOrientationDeg);
+  data["planes"] = groupData(errorsByVisiblePlanes(frames));
+  data["distance"] = groupData(errorsByDistance(frames));
+  for (const StartCurve& curve : report.starts)
+    for (const StartCurve::Point& p : curve.points)
+      data["starts"][curve.name].append(chartRow({p.x, double(p.starts), double(p.sure), double(p.right)}));
+  return data;
+}
 
 void writeHtmlReport(const std::filesystem::path& folder, const EvaluationReport& report,
                      const ReportFigures& figures) {
