@@ -64,13 +64,13 @@ TEST(StageTimes, PercentilesOfFewImages) {
   const auto times = stageTimes(rows);
   ASSERT_EQ(times.size(), 4u);
   EXPECT_EQ(times[0].stage, "segmentation");
-  EXPECT_EQ(times[0].n, 100u);
-  EXPECT_DOUBLE_EQ(times[0].mean, 50.5);
-  EXPECT_DOUBLE_EQ(times[0].median, 50);
-  EXPECT_DOUBLE_EQ(times[0].most, 95);
-  EXPECT_DOUBLE_EQ(times[0].max, 100);
-  EXPECT_DOUBLE_EQ(times[2].max, 10);
-  EXPECT_DOUBLE_EQ(times[3].mean, 62.5);
+  EXPECT_EQ(times[0].ms.values.size(), 100u);
+  EXPECT_DOUBLE_EQ(times[0].ms.mean, 50.5);
+  EXPECT_DOUBLE_EQ(times[0].ms.bound(0.5), 50);
+  EXPECT_DOUBLE_EQ(times[0].ms.bound(kMostShare), 95);
+  EXPECT_DOUBLE_EQ(times[0].ms.max, 100);
+  EXPECT_DOUBLE_EQ(times[2].ms.max, 10);
+  EXPECT_DOUBLE_EQ(times[3].ms.mean, 62.5);
   EXPECT_THAT(stageTimes({}), IsEmpty());
 }
 
@@ -79,9 +79,9 @@ TEST(StageTimes, ImagesThatFailedTookNoTime) {
   failed.frame = "failed";
   const auto times = stageTimes({failed, {"done", 4, 1, 5, 7}, failed});
   ASSERT_EQ(times.size(), 4u);
-  EXPECT_EQ(times[3].n, 1u);
-  EXPECT_DOUBLE_EQ(times[3].mean, 10);
-  EXPECT_DOUBLE_EQ(times[3].median, 10);
+  EXPECT_EQ(times[3].ms.values.size(), 1u);
+  EXPECT_DOUBLE_EQ(times[3].ms.mean, 10);
+  EXPECT_DOUBLE_EQ(times[3].ms.bound(0.5), 10);
   EXPECT_THAT(stageTimes({failed}), IsEmpty());
 }
 

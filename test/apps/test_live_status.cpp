@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/progress.h"
 #include "live/live_status.h"
-#include "live/live_trajectory.h"
 
 #include <facetloc/testing/matchers.h>
 

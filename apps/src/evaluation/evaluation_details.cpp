@@ -12,7 +12,6 @@ namespace facetloc {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMostShare = 0.95;
 constexpr double kMetreStep = 0.25;  // between points of a curve [m]
 
 std::string wholeRange(double lowest, double highest) {
@@ -125,9 +124,7 @@ std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows) {
     std::vector<double> ms;
     for (const TimingRow& row : rows)
       if (row.sum() != 0) ms.push_back(std::invoke(time, row));  // else it failed
-    const Sample s(std::move(ms));
-    if (s.values.empty()) return;
-    times.push_back({stage, s.values.size(), s.mean, s.bound(0.5), s.bound(kMostShare), s.max});
+    if (!ms.empty()) times.push_back({stage, Sample(std::move(ms))});
   };
   add("segmentation", &TimingRow::segment_ms);
   add("features", &TimingRow::features_ms);

@@ -33,15 +33,13 @@ std::vector<ErrorGroup> errorsByVisiblePlanes(const std::vector<FrameEvaluation>
 /** \brief The same by the distance to the most similar local model [m]. */
 std::vector<ErrorGroup> errorsByDistance(const std::vector<FrameEvaluation>& frames);
 
-/** \brief How long a stage took per image [ms]. */
+/** \brief How long a stage took per image. */
 struct StageTime {
   std::string stage;
-  std::size_t n = 0;
-  double mean = 0;
-  double median = 0;
-  double most = 0;  ///< 95 % of the images took no longer
-  double max = 0;
+  Sample ms;
 };
+/** \brief Nearly all images: tables say how long they took at most. */
+constexpr double kMostShare = 0.95;
 /** \brief Times of segmentation, features, localization and their sum; none without rows. Failed images are
  * left out. */
 std::vector<StageTime> stageTimes(const std::vector<TimingRow>& rows);

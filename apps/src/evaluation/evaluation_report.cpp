@@ -83,7 +83,8 @@ void writeErrors(std::ostream& out, const Evaluation& evaluation) {
 void writeTimes(std::ostream& out, const std::vector<StageTime>& times) {
   out << "stage,images,mean_ms,median_ms,p95_ms,max_ms\n";
   for (const StageTime& t : times)
-    out << fmt::format("{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", t.stage, t.n, t.mean, t.median, t.most, t.max);
+    out << fmt::format("{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", t.stage, t.ms.values.size(), t.ms.mean,
+                       t.ms.bound(0.5), t.ms.bound(kMostShare), t.ms.max);
 }
 
 void writeCurve(std::ostream& out, const StartCurve& curve) {

@@ -183,8 +183,9 @@ void addTimeTable(const std::vector<StageTime>& times, std::vector<ReportTable>&
   if (times.empty()) return;
   TextTable table({"stage", "images", "mean", "median", "95 % below", "max."});
   for (const StageTime& t : times)
-    table.add({t.stage, std::to_string(t.n), text::decimals(t.mean, 1), text::decimals(t.median, 1),
-               text::decimals(t.most, 1), text::decimals(t.max, 1)});
+    table.add({t.stage, std::to_string(t.ms.values.size()), text::decimals(t.ms.mean, 1),
+               text::decimals(t.ms.bound(0.5), 1), text::decimals(t.ms.bound(kMostShare), 1),
+               text::decimals(t.ms.max, 1)});
   tables.push_back({"TIME PER IMAGE [ms]", table});
 }
 

@@ -321,7 +321,7 @@ std::vector<KeyFigure> keyFigures(const Counts& c, const std::vector<StageTime>&
           errorFigure(c),
           times.empty()
               ? KeyFigure{std::to_string(c.frames.size()), c.frames.size() == 1 ? "image" : "images"}
-              : KeyFigure{fmt::format("{:.0f} ms", times.back().median),
+              : KeyFigure{fmt::format("{:.0f} ms", times.back().ms.bound(0.5)),
                           "per image, in the median, on one core"}};
 }
 

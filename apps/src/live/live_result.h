@@ -4,7 +4,6 @@
 #include "drawing/colours.h"
 #include "drawing/pictures.h"
 #include "live/live_mapping.h"
-#include "live/live_trajectory.h"
 #include "outputs/localization_report.h"
 
 #include <facetloc/localization/localizer.h>
