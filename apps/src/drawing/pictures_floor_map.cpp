@@ -17,7 +17,7 @@ constexpr double kMargin = 24;                     // around everything [px]
 constexpr double kLegendRow = 26;                  // [px]
 constexpr double kSample = 30;                     // width of the sample before a word of the legend [px]
 constexpr double kLeastExtent = 0.5;               // smaller plans are drawn as if they were this large [m]
-constexpr double kStripMargin = 20, kTitle = 26, kBar = 10;  // of a film strip [px]
+constexpr double kStripMargin = 20, kTitle = 26, kBar = 10;  // film strip [px]
 constexpr Colour kSure = {44, 160, 44}, kDoubtful = {255, 127, 14}, kNowhere = {200, 200, 200};
 constexpr Colour kModel = {213, 94, 0}, kLink = {230, 159, 0};
 

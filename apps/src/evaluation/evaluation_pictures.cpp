@@ -164,7 +164,7 @@ std::vector<Failure> drawnAnswers(const std::vector<FrameEvaluation>& frames,
   return failures;
 }
 
-/** In whole millimetres. */
+/** Appends both coordinates in whole millimetres. */
 void append(const Eigen::Vector2d& metres, Json::Value& numbers) {
   for (const double value : {metres.x(), metres.y()})
     numbers.append(static_cast<Json::Int>(std::lround(1000 * value)));
