@@ -5,6 +5,7 @@
 #include "evaluation/html_report.h"
 #include "evaluation/verdict.h"
 #include "example_scene.h"
+#include "golden.h"
 #include "tool_runner.h"
 
 #include <facetloc/io/error.h>
@@ -299,6 +300,32 @@ TEST_F(EvaluationHtml, DrawsItsPlanAndChartsInABrowser) {
   EXPECT_EQ(countOf(run.out, "<circle"), 2u);
   EXPECT_THAT(run.out, HasAll("class=\"wall\" d=\"M", "sure (1)", "sure and wrong (1)", " m</text>",
                               Not(HasSubstr("unknown (")), Not(HasSubstr("<img"))));
+}
+
+TEST_F(EvaluationHtml, LooksAsItDid) {
+  const Browser browser;
+  if (!browser.available() || !hasPageFile("chart.js")) GTEST_SKIP() << "install chromium and libjs-chart.js";
+  ReportFigures figures;
+  figures.plan = examplePlan(ExampleScene().map());
+  writeHtmlReport(folder_ / "", exampleReport(), figures);
+  // Plan and curves alone: words look otherwise, and take other space, where other fonts are installed.
+  std::string html = contentOf(folder_ / "report.html");
+  html.insert(
+      html.rfind("</body>"),
+      "<style>* { color: transparent !important; } svg text { display: none; }</style>"
+      "<script>document.body.replaceChildren(document.querySelector('#plan svg'), "
+      "document.getElementById('charts'));"
+      "for (const figure of document.querySelectorAll('.chart figcaption')) figure.remove();"
+      "for (const chart of Object.values(Chart.instances)) {"
+      "for (const scale of Object.values(chart.options.scales)) scale.display = false;"
+      "chart.options.plugins.legend.display = false; chart.resize(); chart.update('none'); }</script>");
+  writeContent(folder_ / "visited.html", html);
+  const auto expectLike = [&](const std::string& name, int width, int height, bool dark) {
+    ok(browser.photograph(folder_ / "visited.html", folder_ / "page.png", width, height, dark));
+    expectLikeGolden(name, readRgbPng(folder_ / "page.png"));
+  };
+  expectLike("report", 1280, 1100, false);
+  expectLike("report_phone", 390, 1400, true);
 }
 
 }  // namespace

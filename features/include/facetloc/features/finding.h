@@ -29,7 +29,7 @@ struct Evidence {
 
 /** \brief A fact that a stage has found about its input, in words and numbers. All tools show the same ones.
  *
- * apps/FINDINGS.md lists the ids with their meaning, certainty and remedy. */
+ * apps/FINDINGS.md lists the ids with their meaning and certainty. */
 struct Finding {
   std::string id;  ///< stage and kind: "poses.convention"
   Severity severity = Severity::note;
