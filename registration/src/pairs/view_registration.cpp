@@ -176,15 +176,17 @@ void ViewRegistration::addComplete(const Query& query, const View& model,
     Hypothesis h;
     h.T_m_c = node.pose;
     h.pairs = node.pairs;
-    if (params_.steps.joint_refinement && !refineJointly(query.view.segments, model.segments, query.prior,
-                                                         params_.matching, {}, h, chosen, extents))
-      continue;
-    addDistinct(query, std::move(h), hypotheses);
+    addRefined(query, model, {}, chosen, extents, std::move(h), hypotheses);
   }
 }
 
-void ViewRegistration::addDistinct(const Query& query, Hypothesis&& h,
-                                   std::vector<Hypothesis>& hypotheses) const {
+// Unless it is lost on the way, or known.
+void ViewRegistration::addRefined(const Query& query, const View& model,
+                                  const std::optional<TranslationConstraint>& constraint, Chosen chosen,
+                                  bool extents, Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const {
+  if (params_.steps.joint_refinement && !refineJointly(query.view.segments, model.segments, query.prior,
+                                                       params_.matching, constraint, h, chosen, extents))
+    return;
   if (!isComplete(h.T_m_c.P, limitsFor(query.view, params_.tree))) return;
   constexpr double kRefinedFactor = 2;  // refined duplicates within 2 deg and 0.1 m are one (METHOD 6.5)
   const bool known = std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& other) {
@@ -213,11 +215,8 @@ void ViewRegistration::completeByDepth(const Query& query, const View& model,
       const double variance = alignment.std * alignment.std;
       const Vector6d Pv = node.pose.P.rightCols<3>() * v;
       h.T_m_c.P -= Pv * Pv.transpose() / (v.dot(Pv.tail<3>()) + variance);
-      const TranslationConstraint constraint{v, position, alignment.std};
-      if (params_.steps.joint_refinement && !refineJointly(query.view.segments, model.segments, query.prior,
-                                                           params_.matching, constraint, h, chosen))
-        continue;
-      addDistinct(query, std::move(h), hypotheses);
+      addRefined(query, model, TranslationConstraint{v, position, alignment.std}, chosen, false, std::move(h),
+                 hypotheses);
     }
   }
 }

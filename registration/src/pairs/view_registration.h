@@ -45,7 +45,9 @@ private:
                                  std::vector<Hypothesis> hypotheses) const;
   void addComplete(const Query& query, const View& model, const std::vector<PoseNode>& complete,
                    Chosen chosen, bool extents, std::vector<Hypothesis>& hypotheses) const;
-  void addDistinct(const Query& query, Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
+  void addRefined(const Query& query, const View& model,
+                  const std::optional<TranslationConstraint>& constraint, Chosen chosen, bool extents,
+                  Hypothesis&& h, std::vector<Hypothesis>& hypotheses) const;
   void completeByDepth(const Query& query, const View& model, const std::vector<PoseNode>& incomplete,
                        Chosen chosen, std::vector<Hypothesis>& hypotheses) const;
 

@@ -246,12 +246,10 @@ std::optional<PlaceIndex> PlaceIndex::read(std::istream& in, const Map& map, con
   Header written;
   archive(written);
   if (!written.isOf(impl->header)) return std::nullopt;
-  const auto require = [](bool condition) {
-    if (!condition) throw std::runtime_error("its place index holds values that no index has");
-  };
   archive(impl->places);
-  require(impl->places.size() == map.models.size() &&
-          std::all_of(impl->places.begin(), impl->places.end(), isSound));
+  if (impl->places.size() != map.models.size() ||
+      !std::all_of(impl->places.begin(), impl->places.end(), isSound))
+    throw std::runtime_error("its place index holds values that no index has");
   impl->describePlaces();
   return PlaceIndex(std::move(impl));
 }

@@ -52,10 +52,8 @@ void PlanarSegmentation<PointT>::segment(std::vector<pcl::PointIndices>& segment
     segments[k].header = input_->header;
     segments[k].indices.reserve(result_.support[k]);
   }
-  const auto add = [&](std::size_t i) {
-    if (const int k = labelOf(i); k > 0) segments[k - 1].indices.push_back(static_cast<int>(i));
-  };
-  for (const auto i : *indices_) add(static_cast<std::size_t>(i));
+  for (const auto i : *indices_)
+    if (const int k = labelOf(static_cast<std::size_t>(i)); k > 0) segments[k - 1].indices.push_back(i);
 }
 
 template <typename PointT>
