@@ -86,7 +86,7 @@ Localizer& MapLocalization<PointT>::localizer() {
   return *localizer_;
 }
 
-/** Of the view, as an image or the next of a drive. */
+/** The answer for the view, be it an image or the next of a drive. */
 template <typename PointT>
 Localization MapLocalization<PointT>::answer(const std::optional<PoseWithCovariance>& guess,
                                              const std::string& part) {
