@@ -43,51 +43,27 @@ DepthImage readAs(DepthIs meaning, DepthImage image, double usual) {
   return image;
 }
 
-class Collector {
-public:
-  Collector(const Camera& camera, FlatSurfaces& flat)
-      : camera_(camera), flat_(flat), segmenter_({}, camera.noise) {}
-
-  void add(std::size_t number, const DepthImage& image) {
-    segmenter_.segment(image, planes_);
-    double measured = 0, squares = 0;
-    for (const float z : image.depth) measured += isMeasured(z);
-    for (const int n : planes_.support) squares += double(n) * n;
-    if (measured > 0) flat_.flat_share += squares / measured / static_cast<double>(image.depth.size());
-    const std::size_t most = std::min(planes_.support.size(), kMostSurfaces);
-    for (std::size_t k = 0; k < most; ++k)
-      if (planes_.support[k] >= kLeastShare * static_cast<double>(image.depth.size()))
-        addSurface(number, image, k);
-  }
-
-private:
-  void addSurface(std::size_t number, const DepthImage& image, std::size_t k) {
-    FlatSurface surface;
-    surface.image = number;
-    surface.share = planes_.support[k] / static_cast<double>(image.depth.size());
-    surface.plane = planes_.planes[k].toSpace(image.camera);
-    const int step = std::max(1, static_cast<int>(std::sqrt(planes_.support[k] / kSamples)));
-    double sum = 0;
-    for (int v = 0; v < image.camera.height; v += step)
-      for (int u = 0; u < image.camera.width; u += step) {
-        const std::size_t i = static_cast<std::size_t>(v) * image.camera.width + u;
-        if (planes_.labels.label[i] != k + 1 || !isMeasured(image.depth[i])) continue;
-        const Eigen::Vector3d b = image.camera.ray(u, v);
-        surface.samples.emplace_back(b.x(), b.y(), 1 / image.depth[i]);
-        sum += surface.samples.back().z();
-      }
-    if (surface.samples.empty()) return;
-    const double depth = static_cast<double>(surface.samples.size()) / sum;
-    surface.weight =
-        std::pow(std::max(DepthNoise::kLeastInverseDepthStd, camera_.noise.ofInverseDepth(depth)), -2);
-    flat_.surfaces.push_back(std::move(surface));
-  }
-
-  const Camera& camera_;
-  FlatSurfaces& flat_;
-  PlaneSegmenter segmenter_;
-  LabelledPlanes planes_;
-};
+/** The k-th plane of an image; without samples if none of its pixels is among those that are taken. */
+FlatSurface surfaceOf(const DepthImage& image, const LabelledPlanes& planes, std::size_t k,
+                      const DepthNoise& noise) {
+  FlatSurface surface;
+  surface.share = planes.support[k] / static_cast<double>(image.depth.size());
+  surface.plane = planes.planes[k].toSpace(image.camera);
+  const int step = std::max(1, static_cast<int>(std::sqrt(planes.support[k] / kSamples)));
+  double sum = 0;
+  for (int v = 0; v < image.camera.height; v += step)
+    for (int u = 0; u < image.camera.width; u += step) {
+      const std::size_t i = static_cast<std::size_t>(v) * image.camera.width + u;
+      if (planes.labels.label[i] != k + 1 || !isMeasured(image.depth[i])) continue;
+      const Eigen::Vector3d b = image.camera.ray(u, v);
+      surface.samples.emplace_back(b.x(), b.y(), 1 / image.depth[i]);
+      sum += surface.samples.back().z();
+    }
+  if (surface.samples.empty()) return surface;
+  const double depth = static_cast<double>(surface.samples.size()) / sum;
+  surface.weight = std::pow(std::max(DepthNoise::kLeastInverseDepthStd, noise.ofInverseDepth(depth)), -2);
+  return surface;
+}
 
 /** Weighted products of the columns of one surface, less their parts that a plane explains: inverse depths,
  * the bend by the length of rays, and the bend by a lens. */
@@ -111,9 +87,24 @@ Eigen::Matrix3d productsOf(const FlatSurface& s) {
 FlatSurfaces flatSurfaces(const std::vector<DepthImage>& images, const Camera& camera, DepthIs meaning) {
   FlatSurfaces flat;
   if (images.empty()) return flat;
-  Collector collector(camera, flat);
+  PlaneSegmenter segmenter({}, camera.noise);
+  LabelledPlanes planes;
   const double usual = usualDepth(images.front());
-  for (std::size_t i = 0; i < images.size(); ++i) collector.add(i, readAs(meaning, images[i], usual));
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const DepthImage image = readAs(meaning, images[i], usual);
+    const auto pixels = static_cast<double>(image.depth.size());
+    segmenter.segment(image, planes);
+    double measured = 0, squares = 0;
+    for (const float z : image.depth) measured += isMeasured(z);
+    for (const int n : planes.support) squares += double(n) * n;
+    if (measured > 0) flat.flat_share += squares / measured / pixels;
+    for (std::size_t k = 0; k < std::min(planes.support.size(), kMostSurfaces); ++k) {
+      if (planes.support[k] < kLeastShare * pixels) continue;
+      FlatSurface surface = surfaceOf(image, planes, k, camera.noise);
+      surface.image = i;
+      if (!surface.samples.empty()) flat.surfaces.push_back(std::move(surface));
+    }
+  }
   flat.flat_share /= static_cast<double>(images.size());
   return flat;
 }
