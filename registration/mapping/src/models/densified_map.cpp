@@ -26,7 +26,7 @@ constexpr int kDirections = 8;  // to the sides of a driven pose
 /** Pose of an image of a drive. */
 struct DrivenPose {
   Eigen::Isometry3d T_w_c;
-  Eigen::Vector3d upwards;  // unit vector in the optical frame
+  Eigen::Vector3d up;  // unit vector in the world
 };
 
 /** Where a view may be rendered. */
@@ -36,7 +36,7 @@ struct PlaceBeside {
   double known_share = 0;  // share of its pixels
 };
 
-/** Is there room for a camera and what carries it? */
+/** Is there room for a camera and what carries it? \param level axes in the world whose z is upwards */
 bool hasRoom(const SeenSpace& space, const Eigen::Vector3d& place, const Eigen::Matrix3d& level) {
   for (int k = 0; k < kDirections; ++k) {
     const double angle = 2 * EIGEN_PI * k / kDirections;
@@ -44,12 +44,6 @@ bool hasRoom(const SeenSpace& space, const Eigen::Vector3d& place, const Eigen::
       return false;
   }
   return true;
-}
-
-/** Axes in the world whose z is upwards at a driven pose. */
-Eigen::Matrix3d levelAt(const DrivenPose& pose) {
-  const Eigen::Vector3d up = pose.T_w_c.linear() * pose.upwards;
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up).toRotationMatrix();
 }
 
 struct Standpoint {
@@ -68,7 +62,8 @@ std::vector<Standpoint> standpoints(const std::vector<DrivenPose>& drive, const 
   };
   for (double distance = 0; distance <= params.reach + 1e-9; distance += apart)
     for (std::size_t i = 0; i < drive.size(); ++i) {
-      const Eigen::Matrix3d level = levelAt(drive[i]);
+      const Eigen::Matrix3d level =
+          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), drive[i].up).toRotationMatrix();
       const Eigen::Vector3d& from = drive[i].T_w_c.translation();
       for (int k = 0; k < (distance > 0 ? kDirections : 1); ++k) {
         const double angle = 2 * EIGEN_PI * k / kDirections;
@@ -90,10 +85,9 @@ std::vector<PlaceBeside> placesBeside(const std::vector<DrivenPose>& drive, cons
   const int headings = static_cast<int>(std::ceil(720 / params.rotation_deg));
   for (const Standpoint& standpoint : standpoints(drive, space, params)) {
     const DrivenPose& beside = drive[standpoint.beside];
-    const Eigen::Vector3d up = beside.T_w_c.linear() * beside.upwards;
     for (int k = 0; k < headings; ++k) {
       Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-      T.linear() = Eigen::AngleAxisd(2 * EIGEN_PI * k / headings, up) * beside.T_w_c.linear();
+      T.linear() = Eigen::AngleAxisd(2 * EIGEN_PI * k / headings, beside.up) * beside.T_w_c.linear();
       T.translation() = standpoint.place;
       const bool is_shown = std::any_of(drive.begin(), drive.end(), [&](const DrivenPose& pose) {
         return isNear(pose.T_w_c, T, params.spacing, params.rotation_deg);
@@ -157,7 +151,7 @@ public:
     for (std::size_t i = 0; i < driven_.size(); ++i) {
       const Eigen::Isometry3d& T_w_m = *map_.models[driven_[i]].T_w_m;
       pictures.push_back({&views_[i]->depth, T_w_m});
-      poses.push_back({T_w_m, upwardsIn(i)});
+      poses.push_back({T_w_m, T_w_m.linear() * upwardsIn(i)});
     }
     const FusedSurface surface(pictures, threads_);
     done.driven += driven_.size();
