@@ -38,6 +38,18 @@ bool isMadeOf(const Map& present, const MapInputs& inputs) {
   });
 }
 
+MapDatabase beginMap(const fs::path& path, const MapInputs& inputs, const Camera& camera) {
+  MapDatabase database = MapDatabase::create(path, true);
+  database.setMeta("software", versionText());
+  database.setMeta("source", inputs.recording);
+  database.setCamera(camera);
+  database.setMeta(kParametersKey, inputs.parameters);
+  database.setMeta(kImagesKey, toText(imageSizes(inputs.sequence)));
+  if (!inputs.disagreement.empty()) database.setMeta("poses disagree with images by", inputs.disagreement);
+  database.setMeta(kStateKey, kUnderWay);
+  return database;
+}
+
 /** Locks the file that a map is written to. Throws IoError if it exists and may not be replaced. */
 OutputLock lockTarget(const fs::path& map, bool may_replace) {
   OutputLock lock = OutputLock::ofFile(map);
@@ -124,24 +136,13 @@ bool isThere(const fs::path& path) {
   return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path) == 0);
 }
 
-MapDatabase beginMap(const fs::path& path, const MapInputs& inputs, const Camera& camera, bool overwrite) {
-  if (isThere(path) && !overwrite)
+MapDatabase openBuild(const fs::path& path, const MapInputs& inputs, const Camera& camera, bool resume,
+                      bool overwrite) {
+  if (!isThere(path) || overwrite) return beginMap(path, inputs, camera);
+  if (!resume)
     throw IoError(inputs.map, "exists already; give --overwrite to replace it or --resume to go on");
-  MapDatabase database = MapDatabase::create(path, true);
-  database.setMeta("software", versionText());
-  database.setMeta("source", inputs.recording);
-  database.setCamera(camera);
-  database.setMeta(kParametersKey, inputs.parameters);
-  database.setMeta(kImagesKey, toText(imageSizes(inputs.sequence)));
-  if (!inputs.disagreement.empty()) database.setMeta("poses disagree with images by", inputs.disagreement);
-  database.setMeta(kStateKey, kUnderWay);
-  return database;
-}
-
-MapDatabase resumeMap(const fs::path& path, const MapInputs& inputs, const Camera& camera) {
-  if (!isThere(path)) return beginMap(path, inputs, camera, false);
   const Map present = openMap(path);
-  if (present.models.empty()) return beginMap(path, inputs, camera, true);  // killed before it began
+  if (present.models.empty()) return beginMap(path, inputs, camera);  // killed before it began
   const auto recorded = present.meta.find(kParametersKey);
   if (recorded == present.meta.end() || recorded->second != inputs.parameters || !isMadeOf(present, inputs))
     throw IoError(inputs.map,

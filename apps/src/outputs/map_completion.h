@@ -83,11 +83,9 @@ struct MapInputs {
 /** \brief False for an empty file, too, which holds nothing that could be lost. */
 bool isThere(const std::filesystem::path& path);
 
-/** \brief Begins a map file. Throws IoError if it is there and may not be replaced. */
-MapDatabase beginMap(const std::filesystem::path& path, const MapInputs& inputs, const Camera& camera,
-                     bool overwrite);
-/** \brief Opens a map file that the same build has begun; a file without local models is begun again.
- * Throws IoError if its local models are of other inputs. */
-MapDatabase resumeMap(const std::filesystem::path& path, const MapInputs& inputs, const Camera& camera);
+/** \brief Begins a map file, or goes on with one that the same build has begun; a file without local models
+ * is begun again. Throws IoError if it may not be replaced, or its local models are of other inputs. */
+MapDatabase openBuild(const std::filesystem::path& path, const MapInputs& inputs, const Camera& camera,
+                      bool resume, bool overwrite);
 
 }  // namespace facetloc

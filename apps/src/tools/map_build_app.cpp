@@ -192,10 +192,7 @@ private:
                                    toIni(params_.places, "map") +
                                    (making.findings().trajectory ? by_images_.toIni() : "");
     const MapInputs inputs{map_, sequence_, sequence, places, parameters, disagreement_};
-    MapFile file(path,
-                 resume_ ? resumeMap(path, inputs, making.camera())
-                         : beginMap(path, inputs, making.camera(), overwrite_),
-                 console);
+    MapFile file(path, openBuild(path, inputs, making.camera(), resume_, overwrite_), console);
     const bool begins = file.modelNames().empty();
     Seen seen;
     int code = kOk;
