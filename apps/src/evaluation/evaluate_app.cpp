@@ -85,8 +85,6 @@ private:
     std::vector<RunResults> runs;
     PlaceTruth truth;
     std::optional<Map> map;
-    std::optional<ResultsAlignment> alignment{};
-    Findings findings{};
   };
 
   void addOptions(CommandLine& line) override {
@@ -165,9 +163,7 @@ private:
   }
 
   /** The facts that the verdict rests on beside the answers. */
-  EvaluationReport begunReport(const Input& input) const {
-    EvaluationReport report{results_, truth_, params_, {}, {}, {}};
-    report.findings = input.findings;
+  void addFacts(const Input& input, EvaluationReport& report) const {
     report.beside_paper = beside_paper_;
     const auto all = [&input](const auto& holds) {
       return std::all_of(input.runs.begin(), input.runs.end(), holds);
@@ -175,35 +171,32 @@ private:
     report.as_drive = all([](const RunResults& run) { return run.as_drive; });
     for (const RunResults& run : input.runs)
       report.timing.insert(report.timing.end(), run.timing.begin(), run.timing.end());
-    if (!input.map) return report;
+    if (!input.map) return;
     requireSameMap(input.runs, *input.map, map_);
     const auto images = input.map->meta.find(kImagesKey);
     report.of_map = images != input.map->meta.end() && all([&](const RunResults& run) {
                       return !run.images.empty() && run.images == imageSizes(images->second);
                     });
-    return report;
   }
 
-  EvaluationReport reportOf(const Input& input) const {
-    EvaluationReport report = begunReport(input);
+  void judge(const Input& input, EvaluationReport& report) const {
+    addFacts(input, report);
     if (std::all_of(input.runs.begin(), input.runs.end(), [](const RunResults& r) { return r.rows.empty(); }))
       throw IoError(results_, "contains no results of any image");
     const TrueModelPoses true_models = trueModelPoses(input);
-    report.alignment = input.alignment;
-    report.own_frame = input.alignment || (input.map && !hasGivenPose(*input.map));
+    report.own_frame = report.alignment || (input.map && !hasGivenPose(*input.map));
     if (report.own_frame && input.map) report.map_alignment = alignmentOf(*input.map, true_models);
     report.evaluation =
-        evaluate(input.runs, input.truth, modelPoses(input.map), params_, pose_tolerance_, true_models);
+        evaluate(input.runs, input.truth, modelPoses(input.map), report.params, pose_tolerance_, true_models);
     if (report.evaluation.frames.empty()) throw IoError(truth_, "has no pose for any image of " + results_);
     if (true_models.empty() && (!input.map || modelPoses(input.map).empty()))
       requireWorldPoses(input.runs, input.map);
     report.summaries = summarizeSets(report.evaluation);
     if (const auto answers = readStarts(results_); !answers.empty())
       report.starts = startCurves(answers, report.evaluation.frames,
-                                  input.alignment ? input.alignment->motion.T_true_estimated
-                                                  : Eigen::Isometry3d::Identity(),
-                                  params_);
-    return report;
+                                  report.alignment ? report.alignment->motion.T_true_estimated
+                                                   : Eigen::Isometry3d::Identity(),
+                                  report.params);
   }
 
   void addMap(const EvaluationReport& report, const Input& input, ReportFigures& figures) const {
@@ -278,10 +271,10 @@ private:
   }
 
   /** Reports the answers alone. */
-  int reportWithoutTruth(const Input& input, const Console& console) {
+  int reportWithoutTruth(const Input& input, EvaluationReport& report, const Console& console) const {
     if (align_ || !map_truth_.empty())
       throw UsageError("GROUNDTRUTH is missing: --align and --map-groundtruth need it");
-    EvaluationReport report = begunReport(input);
+    addFacts(input, report);
     report.evaluation = withoutTruth(input.runs);
     if (report.evaluation.frames.empty()) throw IoError(results_, "contains no results of any image");
     begin(folder_, overwrite_, console);
@@ -303,13 +296,14 @@ private:
     }
     Input input{readRuns(results_, [&](const std::string& text) { console.note(text); }), {}, {}};
     if (!map_.empty()) input.map = readMap(map_);
-    input.findings = knownFindings(known_, results_, input.runs);
-    params_ = withinTruth(params_, input.findings);
+    EvaluationReport report{results_, truth_, params_, {}, {}, {}};
+    report.findings = knownFindings(known_, results_, input.runs);
+    report.params = withinTruth(params_, report.findings);
     if (folder_.empty()) folder_ = (fs::path(results_) / "evaluation").string();
-    if (truth_.empty()) return reportWithoutTruth(input, console);
+    if (truth_.empty()) return reportWithoutTruth(input, report, console);
     input.truth = PlaceTruth::open(truth_, time_offset_);
-    if (align_) input.alignment = align(input);
-    const EvaluationReport report = reportOf(input);
+    if (align_) report.alignment = align(input);
+    judge(input, report);
     begin(folder_, overwrite_, console);
     writeReport(folder_, report);
     writeHtmlReport(folder_, report, figuresOf(report, input, console));
