@@ -6,10 +6,7 @@
 #include <facetloc/io/depth_sequence.h>
 #include <facetloc/testing/example_bag.h>
 #include <facetloc/testing/matchers.h>
-#include <facetloc/testing/organized_clouds.h>
 #include <facetloc/testing/places.h>
-
-#include <pcl/io/pcd_io.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -58,26 +55,6 @@ protected:
       matrix << sequence.groundTruth().at(sequence.frames()[i].stamp)->matrix();
       writeContent(folder / (std::string(base) + ".pose.txt"), matrix.str());
     }
-    return folder.string();
-  }
-
-  /** Poses at their own times, twice as many as images. */
-  std::string tum(const std::string& source, const std::string& name) {
-    const fs::path folder = folder_ / name;
-    copyCamera(source, folder);
-    const DepthSequence sequence = DepthSequence::open(source);
-    fs::create_directories(folder / "rgb");
-    fs::copy(fs::path(source) / "depth", folder / "depth");
-    std::string list = "# depth maps\n# timestamp filename\n";
-    std::vector<StampedPose> poses;
-    for (const FrameFile& frame : sequence.frames()) {
-      list += frame.name + " depth/" + frame.name + ".png\n";
-      const Eigen::Isometry3d T = *sequence.groundTruth().at(frame.stamp);
-      for (const double before : {0.03, 0.004, -0.006})  // the camera stands still for a moment
-        poses.push_back({frame.stamp - before, T});
-    }
-    writeContent(folder / "depth.txt", list);
-    writeTumTrajectory(folder / "groundtruth.txt", poses);
     return folder.string();
   }
 
@@ -166,24 +143,6 @@ protected:
     return folder.string();
   }
 
-  std::string recordedByPcl(const std::string& source, const std::string& name) {
-    const fs::path folder = folder_ / name;
-    fs::create_directories(folder);
-    const DepthSequence sequence = DepthSequence::open(source);
-    constexpr double kBegin = 1355494975;  // 2012-12-14 14:22:55 UTC
-    std::vector<StampedPose> poses;
-    for (std::size_t i = 0; i < sequence.frames().size(); ++i) {
-      const std::string name_of_image = "frame_20121214T1422" + std::to_string(55 + i / 4) + "." +
-                                        std::to_string(25 * (i % 4) + 10) + "0000.pcd";
-      pcl::io::savePCDFileBinary((folder / name_of_image).string(),
-                                 *organizedCloud<pcl::PointXYZ>(sequence.load(i)));
-      poses.push_back(
-          {kBegin + 0.25 * double(i) + 0.1, *sequence.groundTruth().at(sequence.frames()[i].stamp)});
-    }
-    writeTumTrajectory(folder / "groundtruth.txt", poses);
-    return folder.string();
-  }
-
 private:
   static DepthImage stored(const DepthImage& seen, const CameraFile& camera) {
     DepthImage image{seen.camera, {}};
@@ -205,10 +164,6 @@ private:
 
 TEST_F(Layouts, SevenScenes) {
   expectToWork(sevenScenes(map_run(), "seq-01"), sevenScenes(query(), "seq-02"));
-}
-TEST_F(Layouts, Tum) { expectToWork(tum(map_run(), "a"), tum(query(), "b")); }
-TEST_F(Layouts, FilesOfPclsRecorders) {
-  expectToWork(recordedByPcl(map_run(), "a"), recordedByPcl(query(), "b"));
 }
 
 TEST_F(Layouts, DistancesThroughALens) {
@@ -265,11 +220,6 @@ TEST_F(Layouts, ResultsSayWhichFileAFrameIsFrom) {
 TEST_F(Layouts, Bags) {
   if (!hasBags()) GTEST_SKIP() << "no python3-rosbag to write bags with";
   expectToWork(bag(map_run(), "a"), bag(query(), "b"));
-}
-
-TEST_F(Layouts, RecordingsOfToday) {
-  if (!hasRecordings()) GTEST_SKIP() << "no Python to write recordings with";
-  expectToWork(recorded(map_run(), "a", "mcap zstd"), recorded(query(), "b", "db3"));
 }
 
 TEST_F(Layouts, RecordingsOfTodayGiveTheBytesOfTheirImages) {
