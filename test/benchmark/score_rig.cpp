@@ -2,7 +2,7 @@
 //
 // Several cameras on a robot against its first one, in simulated places that one camera has mapped.
 //
-//   score_rig [CASE] SEED...
+//   score_rig SEED...
 //
 // A seed makes a place, its noise, and true poses of the cameras that differ from the stated ones. The case
 // "end" has two cameras at a corridor's end, which look along it and back. All others have three cameras, 100
@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <random>
 #include <string>
@@ -220,7 +219,7 @@ Tally score(const std::string& name, const std::vector<double>& pans_deg, std::u
   return tally;
 }
 
-void run(const std::string& only, const std::vector<std::uint64_t>& seeds) {
+void run(const std::vector<std::uint64_t>& seeds) {
   std::printf("%-12s %4s | %4s %4s         | sure: one, all    | NEES, in 95 %%: one, all     | ms: "
               "segments, one, all\n",
               "", "n", "free", "fixed");
@@ -230,7 +229,6 @@ void run(const std::string& only, const std::vector<std::uint64_t>& seeds) {
                                                                           {"home", {0, 100, -100}},
                                                                           {"hall", {0, 100, -100}}};
   for (const auto& [name, pans] : cases) {
-    if (!only.empty() && name != only) continue;
     Tally sum;
     for (const std::uint64_t seed : seeds) sum.add(score(name, pans, seed));
     sum.print(name);
@@ -241,13 +239,8 @@ void run(const std::string& only, const std::vector<std::uint64_t>& seeds) {
 
 int main(int argc, char** argv) {
   return benchmarks::runProgram("score_rig", [&] {
-    std::string only;
     std::vector<std::uint64_t> seeds;
-    for (const std::string& word : std::vector<std::string>(argv + 1, argv + argc))
-      if (const std::uint64_t seed = std::strtoull(word.c_str(), nullptr, 10))
-        seeds.push_back(seed);
-      else
-        only = word;
-    run(only, seeds);
+    for (int i = 1; i < argc; ++i) seeds.push_back(std::stoull(argv[i]));
+    run(seeds);
   });
 }
