@@ -150,12 +150,6 @@ TEST_F(Tools, SegmentSplitsInEitherWay) {
   EXPECT_NE(labels[0], labels[1]);
 }
 
-TEST_F(Tools, SegmentRefusesAnUnknownSplit) {
-  EXPECT_THAT(runTool<segmentApp>({firstImage(), "-o", folder_ / "out", "--split", "octree"}),
-              refuses("split.method: 'octree' is none of: quadtree, delaunay"));
-  EXPECT_FALSE(fs::exists(folder_ / "out"));
-}
-
 TEST_F(Tools, SegmentMeasuresNoise) {
   const std::string folder = folder_ / "azure";
   ok(runTool<simulateApp>({"room", "--camera", "azure_kinect", "--frames", "6", "-o", folder}));
