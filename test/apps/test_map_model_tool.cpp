@@ -117,8 +117,7 @@ TEST_F(Tools, ModelsOfImpossibleSizeAreRefusedBeforeTheWork) {
     fs::remove(map);
     EXPECT_THAT(made(per_metre, {"--viewpoints", given}), fails(refused, words, "--units m or --force"));
     EXPECT_FALSE(fs::exists(map) && fs::file_size(map) > 0);
-    std::ifstream in(findings);
-    EXPECT_THAT(std::string(std::istreambuf_iterator<char>(in), {}), HasAll("model.units", "refusal"));
+    EXPECT_THAT(contentOf(findings), HasAll("model.units", "refusal"));
     for (const std::vector<std::string>& meant : {std::vector<std::string>{"--force"}, {"--units", "m"}}) {
       const auto forced = made(per_metre, Arguments{"--viewpoints", given} + meant);
       EXPECT_THAT(forced.err, HasSubstr(words));
@@ -192,8 +191,7 @@ TEST_F(FloorPlanTools, FloorPlansGoBothWays) {
 
 TEST_F(FloorPlanTools, UnknownCellsThatCountAsFreeAreNamed) {
   ok(runTool<simulateApp>({"hotel", "--grid", folder_ / "hotel"}));
-  std::ifstream in(folder_ / "hotel.yaml");
-  std::string yaml{std::istreambuf_iterator<char>(in), {}};
+  std::string yaml = contentOf(folder_ / "hotel.yaml");
   yaml.replace(yaml.find("0.196"), 5, "0.25");
   std::ofstream(folder_ / "generous.yaml") << yaml;
   std::ofstream(folder_ / "pose.txt") << "0 2.2 0 1 -0.5 0.5 -0.5 0.5\n";
