@@ -97,6 +97,12 @@ TEST_F(DepthFormats, WholeNumbers) {
   EXPECT_EQ(readDepthValues(packed).numbers, kNumbers);
 }
 
+TEST_F(DepthFormats, SignedNumbersOfTwoBytes) {
+  const StoredDepth values =
+      read("a.npy", npy("<i2", "2, 3", bytes<std::int16_t>({-1, 0, 1, 1000, 32767, -32768})));
+  EXPECT_THAT(values.numbers, ElementsAre(0, 0, 1, 1000, 32767, 0));
+}
+
 TEST_F(DepthFormats, FloatingPointIsInMetres) {
   const float kNone = std::numeric_limits<float>::quiet_NaN();
   const std::vector<float> metres = {0, 1, 1.5f, kNone, 2, -1};

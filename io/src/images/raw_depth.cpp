@@ -74,9 +74,9 @@ NpyHeader parseHeader(const fs::path& path, std::string_view header) {
   return parsed;
 }
 
-template <typename T>
-std::uint16_t asNumber(T value) {
-  return value > 0 && value <= T(65535) ? static_cast<std::uint16_t>(value) : 0;
+/** A number that fits; 0 = not measured. */
+std::uint16_t asNumber(std::int64_t value) {
+  return value > 0 && value <= 65535 ? static_cast<std::uint16_t>(value) : 0;
 }
 
 /** The words of a header, which become numbers; # starts a comment. */
