@@ -105,7 +105,11 @@ void GlobalLocalization::registerWith(const Batch& batch, const Query& query, bo
       of_model[i] = registration_.align(query, *view, start);
       return;
     }
-    const Query for_model = levelledFor(query, *gravity, keeps_mean);
+    const Gravity& of_view = *query.view.gravity;
+    Query for_model = query;
+    for_model.prior = correctedByGravity(query.prior, *gravity, of_view, keeps_mean);
+    if (!keeps_mean)  // else it stays the floor's, or empty
+      for_model.known = gravityInformation(gravity->down, std::hypot(gravity->std, of_view.std));
     of_model[i] = registration_.align(for_model, *view, is_aligned ? start : for_model.prior);
   });
   const auto isAskedAnew = [&batch](const Hypothesis& h) {

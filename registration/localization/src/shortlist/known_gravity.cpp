@@ -114,13 +114,4 @@ PoseWithCovariance correctedByGravity(const PoseWithCovariance& prior, const Gra
   return out;
 }
 
-Query levelledFor(const Query& query, const Gravity& of_model, bool keeps_mean) {
-  Query out = query;
-  const Gravity& of_view = *query.view.gravity;
-  out.prior = correctedByGravity(query.prior, of_model, of_view, keeps_mean);
-  if (keeps_mean) return out;  // the prior stays the floor's, or empty
-  out.known = gravityInformation(of_model.down, std::hypot(of_model.std, of_view.std));
-  return out;
-}
-
 }  // namespace facetloc::internal

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pairs/consensus.h"
-
 #include <facetloc/features/local_model.h>
 
 #include <mutex>
@@ -41,8 +39,5 @@ Matrix6d gravityInformation(const Eigen::Vector3d& down_m, double std);
  * have the same heading */
 PoseWithCovariance correctedByGravity(const PoseWithCovariance& prior, const Gravity& of_model,
                                       const Gravity& of_view, bool keeps_mean);
-
-/** \brief The query as it is for one local model, in whose frame gravity is known. */
-Query levelledFor(const Query& query, const Gravity& of_model, bool keeps_mean);
 
 }  // namespace facetloc::internal
