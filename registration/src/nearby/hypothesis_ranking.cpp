@@ -92,8 +92,8 @@ double weighed(const DepthEvidence& found, MapSurfaces surfaces, const Calibrati
   else
     of_models = contradiction({}, untested);
   const double disagreement = (found.expected - found.of_scene.agree) / std::max(1.0, double(found.pixels));
-  // Fixed surfaces do not move away: free space through one contradicts a pose more than that of the scene,
-  // and objects may hide them anywhere.
+  // Relative to the pixels of the scene. Fixed surfaces do not move away: free space through one contradicts
+  // a pose more, and objects may hide them anywhere.
   const bool are_fixed = surfaces == MapSurfaces::fixed;
   const double looked_through_weight = are_fixed ? 2 : 1, hidden_weight = are_fixed ? 0 : 1;
   return -params.contradiction_weight *
