@@ -3,7 +3,6 @@
 
 #include "recorded_sequence.h"
 
-
 namespace facetloc::test {
 namespace {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/consistency_graph.h"
 
-
 #include <gtest/gtest.h>
 
 namespace facetloc::internal {
