@@ -361,21 +361,5 @@ TEST(Runs, LookTheSameEachTime) {
   EXPECT_EQ(a, contentOf(folder / "b.png"));
 }
 
-TEST(SvgFloorMap, HasWallsAnswersAndAScale) {
-  const Map map = ExampleScene().map();
-  const std::vector<DrawnMarks> marks = {
-      {"sure", {ExampleScene::pose(0, 0, 0), ExampleScene::pose(1, 0, 90)}, kRed}, {"unknown", {}, kBlack}};
-  const std::string svg = svgFloorMap(map, {{"<run>", {ExampleScene::pose(0, 0, 0)}}}, marks, "caption");
-  EXPECT_THAT(svg,
-              HasAll("class=\"wall\"", "sure (2)", Not(HasSubstr("unknown")), "&lt;run&gt;", " m</text>"));
-  std::size_t disks = 0;
-  for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1))
-    ++disks;
-  EXPECT_EQ(disks, 2u);
-  Map nowhere = map;
-  for (LocalModel& model : nowhere.models) model.T_w_m.reset();
-  EXPECT_THROW(svgFloorMap(nowhere, {}, {}, ""), IoError);
-}
-
 }  // namespace
 }  // namespace facetloc::test

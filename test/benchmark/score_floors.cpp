@@ -17,7 +17,9 @@
 #include "programs.h"
 #include "ranking/global_localization.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -101,7 +103,11 @@ void printHeader() {
 }
 
 void print(const std::string& name, const Evaluation& evaluation) {
-  const auto set = [&](auto chosen) { return summarize("", evaluation.frames, chosen); };
+  const auto set = [&](auto chosen) {
+    std::vector<FrameEvaluation> some;
+    std::copy_if(evaluation.frames.begin(), evaluation.frames.end(), std::back_inserter(some), chosen);
+    return summarize("", some);
+  };
   const Summary all = set([](const FrameEvaluation&) { return true; });
   const Summary covered = set([](const FrameEvaluation& f) { return f.covered; });
   const Summary solvable = set([](const FrameEvaluation& f) { return f.solvable.value_or(false); });
